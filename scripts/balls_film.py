@@ -4,18 +4,18 @@ Example: python scripts/balls_film.py --seed 1003 --out runs/reach/balls.webp
 """
 
 import argparse
-from pathlib import Path
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.tasks.reach import TASK
+from film import add_film
 
 CONDITION = "ur5_pose_home_five_balls"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is shown, and where it is saved."""
-    add_option(parser, "--seed", 1003, "of the episode")
-    add_option(parser, "--out", Path("runs/reach/balls.webp"), "the film, a webp or an mp4")
+    add_option(parser, "--seed", 1003, "of the episode", type=at_least(0))
+    add_film(parser, "runs/reach/balls.webp")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -25,7 +25,7 @@ from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Any
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 
 # isort: split
 
@@ -61,18 +61,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     subjects = parser.add_subparsers(dest="subject", required=True, metavar="SUBJECT")
 
     subject = subjects.add_parser("arm", help="the arm's loop")
-    add_option(subject, "--steps", 3000, "control steps")
-    subject.add_argument("--seed", type=int, default=1000, help="seed of the first episode")
+    add_option(subject, "--steps", 3000, "control steps", type=at_least(1))
+    add_option(subject, "--seed", 1000, "seed of the first episode", type=at_least(0))
     subject.add_argument("--background", action="store_true", help="do not wait for images")
 
     subject = subjects.add_parser("peers", help="the tools of others beside ours")
-    add_option(subject, "--rounds", 60, "turns")
-    add_option(subject, "--steps", 20, "of a turn")
+    add_option(subject, "--rounds", 60, "turns", type=at_least(1))
+    add_option(subject, "--steps", 20, "of a turn", type=at_least(1))
 
     subject = subjects.add_parser("watch", help="what watching costs")
     subject.add_argument("--tasks", nargs="+", default=["nav2d", "pusht"], metavar="TASK")
     add_option(subject, "--seconds", 20.0, "with the view")
-    subject.add_argument("--seed", type=int, default=1004)
+    add_option(subject, "--seed", 1004, "seed of the first episode", type=at_least(0))
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -13,15 +13,15 @@ import numpy as np
 import torch
 from matplotlib.colors import to_rgba
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.recording import track
-from aicon_baselines.figures.rendering import Frame, camera, save_video
+from aicon_baselines.figures.rendering import Frame, camera
 from aicon_baselines.palette import OBSTACLE, ROBOT, TARGET
 from aicon_baselines.worlds.motion_bench_maker import Problem, problems, resources, robot_of
 from aicon_torch.parts import Robot
 from clutter import CACHE, DT, Array, episodes, policy_of
 from clutter_model import model_of
-from film import beside_each_other
+from film import add_film, beside_each_other, save_film
 
 SHOWN = (
     ("panda", "bookshelf_thin", 3),
@@ -46,7 +46,7 @@ class Panel(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare where it is saved."""
-    add_option(parser, "--out", Path("runs/clutter/clutter.webp"), "the film, a webp or an mp4")
+    add_film(parser, "runs/clutter/clutter.webp")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -56,8 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
     panels = [panel for name in robots for panel in panels_of(name, folder)]
     films = [list(filmed(panel)) for panel in track(panels, "films")]
 
-    save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (DT * EVERY)))
-    print(f"saved {arguments.out}")
+    save_film(beside_each_other(films, STAYS), arguments.out, DT * EVERY)
 
 
 def panels_of(name: str, folder: Path) -> list[Panel]:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import processor_seconds
 from aicon_baselines.worlds.motion_bench_maker import (
@@ -120,7 +120,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is measured."""
     parser.add_argument("robot", choices=ROBOTS, help="whose problem")
     parser.add_argument("--agents", nargs="+", choices=POLICIES, default=["aicon"])
-    add_option(parser, "--counts", COUNTS, "of objects")
+    add_option(parser, "--counts", COUNTS, "of objects", type=at_least(1))
     add_option(parser, "--out", Path("runs/clutter_time"), "folder of the results")
 
 

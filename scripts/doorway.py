@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
+from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch import NullspaceProjection, Resolution
 from doorway_world import DOOR, DT, RADIUS, Array, drive, drive_by_orca, has_orca, starts
 from rule_study import RULES as PLAIN
@@ -61,9 +62,9 @@ class Cell(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is tried, and where it is saved."""
     add_option(parser, "--out", Path("runs/doorway"), "folder of the results")
-    add_option(parser, "--tries", 10, "for each cell")
+    add_option(parser, "--tries", 10, "for each cell", type=at_least(1))
     add_option(parser, "--seconds", 30.0, "of a try")
-    add_option(parser, "--seed", 300_000, "of the tries")
+    add_option(parser, "--seed", 300_000, "of the tries", type=at_least(0))
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -74,16 +75,17 @@ def run(arguments: argparse.Namespace) -> None:
     wanted = [(*settings, name, count) for name in names for count in DISCS]
     cells = fill(arguments.out / "cells.csv", Cell, wanted, measure)
 
-    print(f"\nof {arguments.tries} tries: all through (median, s), nobody touched; largest overlap")
-    print(f"{'discs':24}" + "".join(f"{count:>26}" for count in DISCS))
-    for name in names:
-        own = [cell for cell in cells if cell.rule == name]
-        told = [
-            f"{c.cleared} ({c.median:.0f}), {c.untouched}; {1e3 * c.overlap:.0f} mm" for c in own
-        ]
-        print(f"{name:24}" + "".join(f"{text:>26}" for text in told))
+    print(f"of {arguments.tries} tries: all through (median, s), nobody touched; largest overlap\n")
+    lines = [[name, *(told(cell) for cell in cells if cell.rule == name)] for name in names]
+    print(to_markdown(["discs", *map(str, DISCS)], lines))
     draw(cells, names, arguments.out / "doorway.png")
     print(f"\nsaved in {arguments.out}: cells.csv, doorway.png")
+
+
+def told(cell: Cell) -> str:
+    """What came of a cell, for the table."""
+    overlap = f"{1e3 * cell.overlap:.0f} mm"
+    return f"{cell.cleared} ({cell.median:.0f}), {cell.untouched}; {overlap}"
 
 
 def measure(seed: int, tries: int, seconds: float, rule: str, count: int) -> list[Cell]:
@@ -104,8 +106,7 @@ def measure(seed: int, tries: int, seconds: float, rule: str, count: int) -> lis
     untouched = int((np.maximum(overlaps, in_walls) <= TOUCH).sum())
     median = float(np.median(times)) if cleared.any() else float("nan")
     largest = round(float(overlaps.max()), 4)
-    told = (int(cleared.sum()), median, untouched, largest)
-    return [Cell(seed, tries, seconds, rule, count, *told)]
+    return [Cell(seed, tries, seconds, rule, count, int(cleared.sum()), median, untouched, largest)]
 
 
 def _distances(path: Array) -> Array:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch import (
     ActionLaw,
     Actuator,
@@ -76,10 +77,10 @@ def run(arguments: argparse.Namespace) -> None:
 
     for law in LAWS:
         print(f"\n{law}: the least slope that keeps all {STARTS} starts on this side\n")
-        print(f"{'leaders':24}" + "".join(f"{count:>8}" for count in LEADERS))
-        for rule in RULES:
-            least = [least_slope(cells, rule, law, count) for count in LEADERS]
-            print(f"{rule:24}" + "".join(f"{slope:>8}" for slope in least))
+        lines = [
+            [rule, *(least_slope(cells, rule, law, count) for count in LEADERS)] for rule in RULES
+        ]
+        print(to_markdown(["leaders", *map(str, LEADERS)], lines))
     draw(cells, arguments.out / "fence.png")
     print(f"\nsaved in {arguments.out}: cells.csv, fence.png")
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from torch import Tensor
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.recording import track
 from aicon_baselines.tasks.reach import TASK
 from aicon_envs.reach.robots import draw_postures
@@ -67,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--condition", choices=TASK.conditions, required=True, metavar="NAME", help="of the targets"
     )
     parser.add_argument("--seeds", nargs="+", type=int, required=True, metavar="SEED")
-    add_option(parser, "--starts", 150, "random postures")
+    add_option(parser, "--starts", 150, "random postures", type=at_least(1))
 
 
 COMMAND = Command(__doc__, add_arguments, run)

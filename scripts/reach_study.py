@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.recording import track
 from aicon_baselines.tasks.reach import TASK
@@ -185,8 +185,8 @@ def add_targets(parser: argparse.ArgumentParser, count: int) -> None:
     parser.add_argument(
         "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
     )
-    add_option(parser, "--episodes", count, "targets of each condition")
-    add_option(parser, "--seed", 1000, "of the first target")
+    add_option(parser, "--episodes", count, "targets of each condition", type=at_least(1))
+    add_option(parser, "--seed", 1000, "of the first target", type=at_least(0))
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -13,15 +13,13 @@ import numpy as np
 
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.bench import record_episodes
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.tasks import load, names
 from aicon_torch import ExportedPolicy, load_exported
 from aicon_torch.export.codegen.targets import TARGETS
 from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
 from aicon_torch.export.library import Library
-
-CONDITIONS = {"arm_push": "true_pose"}  # elsewhere the task's first
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,14 +29,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--condition", metavar="NAME", help="variant of the environment")
     parser.add_argument("--iterations", type=int, help="gradients in a step (default: as shipped)")
     parser.add_argument("--target", choices=TARGETS, help="replay on another machine")
-    add_option(parser, "--steps", 200, "recorded steps")
+    add_option(parser, "--steps", 200, "recorded steps", type=at_least(1))
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the policy, readings.bin, commands.bin and starts.bin."""
     task, folder = arguments.task, arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
-    condition = arguments.condition or CONDITIONS.get(task, load(task).conditions[0])
+    condition = arguments.condition or load(task).timed_condition or load(task).conditions[0]
     law = {} if arguments.iterations is None else {"law.iterations": arguments.iterations}
     policy: Any = factory(task, "aicon", **law)(condition)
     policy.export(folder / "policy.so", task=task, condition=condition)

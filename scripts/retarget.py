@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
+from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch import Exploration, NullspaceProjection, Resolution
 from retarget_world import DT, MARGIN, follow, make_policy, references
 from rule_study import RULES
@@ -68,9 +69,9 @@ class Cell(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is tried, and where it is saved."""
     add_option(parser, "--out", Path("runs/retarget"), "folder of the results")
-    add_option(parser, "--tries", 10, "for each cell")
+    add_option(parser, "--tries", 10, "for each cell", type=at_least(1))
     add_option(parser, "--seconds", 8.0, "of a try")
-    add_option(parser, "--seed", 300_000, "of the tries")
+    add_option(parser, "--seed", 300_000, "of the tries", type=at_least(0))
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -134,25 +135,24 @@ def least_slope(cells: list[Cell], rule: str, count: int) -> Cell | None:
 
 def report(cells: list[Cell], tries: int) -> None:
     """Print the least slope that holds, with the errors there, and the negative control."""
-    print(
-        f"\nleast slope with all of {tries} tries clean; error before and behind the wall there, mm"
-    )
-    print(f"{'points':22}" + "".join(f"{count:>20}" for count in POINTS))
-    for rule in RULES:
-        told = [_told(least_slope(cells, rule, count)) for count in POINTS]
-        print(f"{rule:22}" + "".join(f"{text:>20}" for text in told))
+    print(f"least slope with all of {tries} tries clean; error before and behind the wall, mm\n")
+    lines = [
+        [rule, *(_told(least_slope(cells, rule, count)) for count in POINTS)] for rule in RULES
+    ]
+    print(to_markdown(["points", *map(str, POINTS)], lines))
 
-    print("\n8 points, slope 3: error, mm, where all can be had; then before and behind the wall")
+    print("\n8 points, slope 3: error, mm, where all can be had, and before and behind the wall\n")
+    lines = []
     for rule in (*RULES, *EXPLORERS):
         near, dips = (
             next(cell for cell in cells if cell[3:7] == (world, rule, 8, 3.0))
             for world in ("near", "dips")
         )
-        print(
-            f"{rule:22}{1e3 * near.free:10.1f}{1e3 * dips.free:10.1f}{1e3 * dips.held:10.1f}",
-            end="",
-        )
-        print(f"   clean {dips.clean}/{dips.tries}, behind {100 * dips.behind:.0f} %")
+        errors = [f"{1e3 * error:.1f}" for error in (near.free, dips.free, dips.held)]
+        lines.append([rule, *errors, f"{dips.clean}/{dips.tries}", f"{100 * dips.behind:.0f} %"])
+    print(
+        to_markdown(["rule", "all can be had", "before", "behind", "clean", "time behind"], lines)
+    )
 
 
 def _told(cell: Cell | None) -> str:

@@ -7,15 +7,15 @@ Example: python scripts/retarget_film.py --out runs/retarget/retarget.webp
 
 import argparse
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import torch
 from matplotlib.figure import Figure
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
-from aicon_baselines.figures.rendering import Frame, render, save_video
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
+from aicon_baselines.figures.rendering import Frame, render
 from aicon_baselines.palette import OBSTACLE, PALE, ROBOT, TARGET
+from film import add_film, save_film
 from retarget import BEHIND, DIPS
 from retarget_world import DT, Array, follow, make_policy, offsets, panda, points_of, references
 from rule_study import RULES
@@ -27,8 +27,8 @@ EVERY = 5  # steps from a frame to the next
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is shown, and where it is saved."""
-    add_option(parser, "--seed", 1000, "of the reference")
-    add_option(parser, "--out", Path("runs/retarget/retarget.webp"), "the film, a webp or an mp4")
+    add_option(parser, "--seed", 1000, "of the reference", type=at_least(0))
+    add_film(parser, "runs/retarget/retarget.webp")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -42,8 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     }
 
     frames = draw(joints[:, 0], paths, float(wall[0, 0]))
-    save_video(frames, arguments.out, round(1.0 / (DT * EVERY)))
-    print(f"saved {arguments.out}")
+    save_film(frames, arguments.out, DT * EVERY)
 
 
 def draw(reference: Array, paths: dict[str, Array], wall: float) -> Iterator[Frame]:

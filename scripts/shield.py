@@ -4,9 +4,9 @@ Example: python scripts/shield.py nav2d --episodes 100 --seed 300000 --out runs/
 """
 
 import argparse
-import json
+import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import islice, product
 from pathlib import Path
@@ -21,9 +21,9 @@ from aicon_baselines.agents.shields import arm, nav2d, pusht
 from aicon_baselines.agents.shields.clamped import shortened
 from aicon_baselines.agents.shields.world import World, guards, seeded
 from aicon_baselines.agents.shipped import shipped_folder
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_known
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.named import find
@@ -32,6 +32,7 @@ from aicon_baselines.tasks import load
 from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
 from aicon_torch.errors import choices
+from study_table import fill
 
 
 class Heard:
@@ -132,25 +133,55 @@ class Outcome(NamedTuple):
     steps: int
 
 
+class Row(NamedTuple):
+    """What became of all episodes of a policy under a guard.
+
+    Attributes:
+        success: How many succeeded.
+        clean: How many of these touched nothing.
+        touched: In how many something was touched.
+        stuck: How many stayed where they were.
+        steps: How many steps a success took, at the median; NaN without any.
+        change: By how much the guard changed an action, at the mean.
+        failed: The seeds of those that were not clean.
+    """
+
+    seed: int
+    episodes: int
+    horizon: int
+    policy: str
+    guard: str
+    success: int
+    clean: int
+    touched: int
+    stuck: int
+    steps: float
+    change: float
+    failed: str
+
+
 def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
     """Run every policy with every guard, and print a row of the table each."""
     world = _world(task)
-    chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
-    for (proposer, make), (name, guard) in product(chosen.items(), world.guards.items()):
-        heard = Heard(make())
-        policy = guard(heard)  # compiled once for all episodes
+    for name in only:
+        check_known("proposer", name, world.proposers)
+
+    def measure(seed: int, episodes: int, horizon: int, proposer: str, guard: str) -> list[Row]:
+        heard = Heard(world.proposers[proposer]())
+        policy = world.guards[guard](heard)  # compiled once for all episodes
 
         outcomes = []
-        for begin in range(first, first + count, world.at_once):
-            number = min(world.at_once, first + count - begin)
+        for begin in range(seed, seed + episodes, world.at_once):
+            number = min(world.at_once, seed + episodes - begin)
             env, start = world.start(begin, number)
             outcomes.append(outcome_of(world, run_episodes(policy, env, start), heard, horizon))
             env.close()
+        return [Row(seed, episodes, horizon, proposer, guard, **summary(outcomes, seed))]
 
-        told = {"policy": proposer, "guard": name, **summary(outcomes, first)}
-        print(_in_words(told, world.time_step), flush=True)
-        with (out / f"{task.replace(':', '.')}.jsonl").open("a") as file:
-            file.write(json.dumps(told) + "\n")
+    settings = product([first], [count], [horizon], only or world.proposers, world.guards)
+    table = out / f"{task.replace(':', '.')}.csv"
+    for row in fill(table, Row, list(settings), measure, task):
+        print(_in_words(row, world.time_step))
 
 
 def outcome_of(world: World, steps: Iterator[Step], heard: Heard, horizon: int) -> Outcome:
@@ -183,25 +214,22 @@ def summary(outcomes: list[Outcome], first: int) -> dict[str, Any]:
     clean = success & ~touched
 
     return {
-        "episodes": len(success),
-        "seed": first,
         "success": int(success.sum()),
         "clean": int(clean.sum()),
         "touched": int(touched.sum()),
         "stuck": int(stuck.sum()),
-        "changes": sum(changes),
-        "steps": float(np.median(duration[success])) if success.any() else None,
+        "steps": float(np.median(duration[success])) if success.any() else math.nan,
         "change": sum(changes) / max(sum(steps), 1),
-        "failed": (first + np.flatnonzero(~clean)).tolist(),
+        "failed": " ".join(map(str, first + np.flatnonzero(~clean))),
     }
 
 
-def _in_words(row: Mapping[str, Any], time_step: float) -> str:
-    low, high = (100 * bound for bound in wilson_interval(row["clean"], row["episodes"]))
-    seconds = "-" if row["steps"] is None else f"{row['steps'] * time_step:.0f} s"
+def _in_words(row: Row, time_step: float) -> str:
+    low, high = (100 * bound for bound in wilson_interval(row.clean, row.episodes))
+    seconds = "-" if math.isnan(row.steps) else f"{row.steps * time_step:.0f} s"
     return (
-        f"| {row['policy']} | {row['guard']} | {row['touched']} | {row['clean']} "
-        f"({low:.1f} to {high:.1f} %) | {row['stuck']} | {seconds} | {row['change']:.3g} |"
+        f"| {row.policy} | {row.guard} | {row.touched} | {row.clean} "
+        f"({low:.1f} to {high:.1f} %) | {row.stuck} | {seconds} | {row.change:.3g} |"
     )
 
 
@@ -267,9 +295,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what", help=f"{', '.join(WORLDS)}, a world of others, MODULE:WORLD, random, time or draw"
     )
-    parser.add_argument("--episodes", type=int, default=100)
-    add_option(parser, "--seed", 300_000, "first seed")
-    add_option(parser, "--horizon", 1000, "steps")
+    add_option(parser, "--episodes", 100, "how many", type=at_least(1))
+    add_option(parser, "--seed", 300_000, "first seed", type=at_least(0))
+    add_option(parser, "--horizon", 1000, "steps", type=at_least(1))
     parser.add_argument("--proposers", nargs="*", default=[], help="who proposes (default: all)")
     parser.add_argument("--out", type=Path, default=Path("runs/shield"))
 
@@ -288,7 +316,7 @@ def run(asked: argparse.Namespace) -> None:
         compare(asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.proposers)
 
 
-COMMAND = Command(__doc__, add_arguments, run)
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

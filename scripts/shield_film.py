@@ -5,7 +5,6 @@ Example: python scripts/shield_film.py --seed 1002 --out runs/shield/shield.webp
 
 import argparse
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,11 @@ from tqdm import tqdm
 
 from aicon_baselines.agents.shields import arm
 from aicon_baselines.agents.shields.world import Guard, guards
-from aicon_baselines.cli.command_line import Command, add_option, run_command
-from aicon_baselines.figures.rendering import Frame, save_video
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
+from aicon_baselines.figures.rendering import Frame
 from aicon_baselines.palette import TARGET
 from aicon_envs.reach.simulation import CONTROL_STEP
-from film import beside_each_other, labelled
+from film import add_film, beside_each_other, labelled, save_film
 
 SIZE = (300, 300)
 """Of each picture, px."""
@@ -31,8 +30,8 @@ STAYS = 15
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is shown, and where it is saved."""
-    add_option(parser, "--seed", 1002, "of the episode")
-    add_option(parser, "--out", Path("runs/shield/shield.webp"), "the film, a webp or an mp4")
+    add_option(parser, "--seed", 1002, "of the episode", type=at_least(0))
+    add_film(parser, "runs/shield/shield.webp")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -40,8 +39,7 @@ def run(arguments: argparse.Namespace) -> None:
     films = []
     for name, guard in tqdm(guards(arm.clamped, arm.shielded).items(), disable=None):
         films.append(list(filmed(name, guard, arguments.seed)))
-    save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (CONTROL_STEP * EVERY)))
-    print(f"saved {arguments.out}")
+    save_film(beside_each_other(films, STAYS), arguments.out, CONTROL_STEP * EVERY)
 
 
 def filmed(name: str, guard: Guard, seed: int) -> Iterator[Frame]:

@@ -13,8 +13,10 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
+from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.episodes import run_episodes
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 from aicon_baselines.tasks.faults import at_once, disturbed
@@ -34,9 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=FAULTS,
         help=f"conditions with one of {', '.join(FAULTS)} (default: each alone)",
     )
-    add_option(parser, "--episodes", 20, "per fault")
-    add_option(parser, "--seed", 1000, "first seed")
-    add_option(parser, "--horizon", 1200, "steps")
+    add_option(parser, "--episodes", 20, "per fault", type=at_least(1))
+    add_option(parser, "--seed", 1000, "first seed", type=at_least(0))
+    add_option(parser, "--horizon", 1200, "steps", type=at_least(1))
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -45,14 +47,23 @@ def run(arguments: argparse.Namespace) -> None:
     task = load(arguments.task)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     for fault in arguments.faults:
+        check_fault(task, fault)
+    for fault in arguments.faults:
         policy = make_policy(task.name, **task.policy_options(fault)).compile()
         times, collisions = rest(policy, task, fault, list(seeds), arguments.horizon)
-        longest = times.max() * task.time_step
+        longest = times.max(initial=0) * task.time_step
         print(
             f"{task.name}, {fault}: {len(times)} episodes, at rest {longest:.2f} s after the "
             f"onset, {collisions} collisions",
             flush=True,
         )
+
+
+def check_fault(task: Task, fault: str) -> None:
+    """Refuse what is no condition of a task, or none in which readings go wrong for ever."""
+    configure(task, conditions=[fault])
+    if not set(at_once(fault)) & set(FAULTS):
+        raise ComparisonError(f"{fault!r} passes; expected one of {', '.join(FAULTS)} in it")
 
 
 def rest(

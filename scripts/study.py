@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 
 from aicon_baselines.agents.variants import make_variants
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="policy, option=value,... or both",
     )
     add_option(parser, "--episodes", 100, "seeds")
-    add_option(parser, "--seed", 1000, "first seed")
+    add_option(parser, "--seed", 1000, "first seed", type=at_least(0))
     parser.add_argument(
         "--condition", metavar="NAME", help="variant of the environment (default: the first)"
     )

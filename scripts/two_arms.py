@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import Tensor
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_envs.reach import ROBOTS
@@ -304,8 +304,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
     parser.add_argument("robots", nargs=2, choices=sorted(ROBOTS), help="the two arms")
     parser.add_argument("--agents", nargs="+", choices=POLICIES, default=list(POLICIES))
-    add_option(parser, "--seed", 319000, "of the first episode")
-    add_option(parser, "--episodes", 50, "how many")
+    add_option(parser, "--seed", 319000, "of the first episode", type=at_least(0))
+    add_option(parser, "--episodes", 50, "how many", type=at_least(1))
     add_option(parser, "--out", Path("runs/two_arms"), "folder of the results")
 
 

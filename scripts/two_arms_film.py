@@ -6,17 +6,16 @@ Example: python scripts/two_arms_film.py ur5 ur5 --seed 1004 --out runs/two_arms
 import argparse
 from collections.abc import Iterator, Sequence
 from functools import partial
-from pathlib import Path
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
-from aicon_baselines.figures.rendering import Frame, camera, mark, save_video
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
+from aicon_baselines.figures.rendering import Frame, camera, mark
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import ArmPair
-from film import beside_each_other, labelled
+from film import add_film, beside_each_other, labelled, save_film
 from two_arms import DISTANCE, DT, Arm, drawn, episode, policies_of
 
 Array = NDArray[np.float64]
@@ -53,8 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
         states = states[: round(SECONDS / DT)]
         films.append(list(filmed(name, pair, targets, states, found.time)))
 
-    save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (DT * EVERY)))
-    print(f"saved {arguments.out}")
+    save_film(beside_each_other(films, STAYS), arguments.out, DT * EVERY)
 
 
 def _keep(pair: ArmPair, states: list[Array]) -> None:
@@ -89,8 +87,8 @@ def filmed(
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is shown, and where it is saved."""
     parser.add_argument("robots", nargs=2, choices=sorted(ROBOTS), help="the two arms")
-    add_option(parser, "--seed", 1004, "of the episode")
-    add_option(parser, "--out", Path("runs/two_arms/two_arms.webp"), "the film, a webp or an mp4")
+    add_option(parser, "--seed", 1004, "of the episode", type=at_least(0))
+    add_film(parser, "runs/two_arms/two_arms.webp")
 
 
 COMMAND = Command(__doc__, add_arguments, run)

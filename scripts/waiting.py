@@ -19,7 +19,7 @@ from statistics import median
 
 from tqdm import tqdm
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import processor_seconds
 from aicon_envs.reach.robots import find_file
@@ -46,7 +46,7 @@ AICON = (sys.executable, "-m", "aicon_baselines.cli.main")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how often it is measured."""
-    add_option(parser, "--rounds", 3, "how often each is measured")
+    add_option(parser, "--rounds", 3, "how often each is measured", type=at_least(1))
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -16,17 +16,21 @@ LOCK = ".lock"
 
 
 @contextmanager
-def only_writer(folder: Path) -> Iterator[None]:
+def only_writer(folder: Path, lock_name: str = LOCK) -> Iterator[None]:
     """Be the one process that writes into a folder, which is made if need be.
 
     The operating system ends the hold with the process, so a killed writer keeps nobody out.
+
+    Args:
+        folder: The folder.
+        lock_name: The file in it that is held; by its name it may stand for a part of the folder.
 
     Raises:
         ComparisonError: If another process writes into it, or it cannot be made.
     """
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / LOCK)
+        lock = FileLock(folder / lock_name)
         try:
             lock.acquire(blocking=False)
         except Timeout as error:

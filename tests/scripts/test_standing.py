@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 import standing
+from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 from aicon_torch import Policy, make_policy
@@ -40,3 +41,9 @@ def test_it_rests_and_nothing_is_hit(
         times, collisions = standing.rest(policy, task, fault, seeds, horizon)
         assert len(times) > 0 and collisions == 0
         assert times.max() * task.time_step <= longest + 1e-9
+
+
+@pytest.mark.parametrize(("fault", "message"), [("fog", "unknown condition"), ("late", "passes")])
+def test_a_fault_that_passes_is_refused(fault: str, message: str) -> None:
+    with pytest.raises(ComparisonError, match=message):
+        standing.check_fault(load("nav2d"), fault)

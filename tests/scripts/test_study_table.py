@@ -92,3 +92,55 @@ def test_a_table_of_another_study_is_refused(tmp_path: Path) -> None:
     path.write_text("rule,discs\nsum,2\n")
     with pytest.raises(ComparisonError, match=r"columns \['rule', 'discs'\].*--out"):
         fill(path, Cell, [("sum", 1)], lambda rule, count: [])
+
+
+def test_what_a_killed_writer_left_is_measured_again(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    write(path, Answer(31, True))
+    with path.open("a") as file:
+        file.write("32")  # of "321,True"
+    assert read(path, Answer) == [Answer(31, True)]
+
+    wanted = [(31,), (32,), (321,)]
+    answers = fill(path, Answer, wanted, lambda seed: [Answer(seed, False)])
+    assert [row.seed for row in answers] == [31, 32, 321]
+    assert read(path, Answer) == answers
+
+
+def test_rows_are_added_all_or_none(tmp_path: Path) -> None:
+    path, old = tmp_path / "answers.csv", Answer(1, True)
+    write(path, old)
+
+    class Unwritable(NamedTuple):
+        seed: int
+        arrived: object
+
+    class Stopped:
+        def __str__(self) -> str:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write(path, Unwritable(2, True), Unwritable(3, Stopped()))
+    assert read(path, Answer) == [old]
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("line", ["3", "3,True,1", "three,True"])
+def test_a_line_that_is_no_row_is_named(line: str, tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    path.write_text(f"seed,arrived\n{line}\n4,True\n")
+    with pytest.raises(ComparisonError, match=r"answers.csv, line 2 is not a row"):
+        read(path, Answer)
+
+
+def test_a_table_has_one_writer_and_its_folder_several(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+
+    def measure(seed: int) -> list[Answer]:
+        fill(tmp_path / "others.csv", Answer, [(seed,)], lambda seed: [Answer(seed, True)])
+        with pytest.raises(ComparisonError, match="another process is writing"):
+            fill(path, Answer, [(seed,)], measure)
+        return [Answer(seed, True)]
+
+    assert fill(path, Answer, [(1,)], measure) == [Answer(1, True)]
+    assert len(read(path, Answer)) == 1

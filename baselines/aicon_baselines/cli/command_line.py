@@ -10,6 +10,7 @@ anyway, and no tree of dataclasses that tyro would spare us writing out.
 
 import argparse
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -82,18 +83,29 @@ def add_option(
         name: Its name, such as "--seed".
         default: Its default.
         text: What it is, for its help, to which the default is added.
-        **others: Further arguments of argparse.
+        **others: Further arguments of argparse, such as `type=at_least(1)`.
     """
     several = isinstance(default, tuple)
     first = default[0] if several else default
-    parser.add_argument(
-        name,
-        type=Path if isinstance(first, Path) else type(first),
-        nargs="+" if several else None,
-        default=default,
-        help=f"{text} (default: {' '.join(map(str, default)) if several else default})",
-        **others,
-    )
+    options: dict[str, Any] = {
+        "type": Path if isinstance(first, Path) else type(first),
+        "nargs": "+" if several else None,
+        "default": default,
+        "help": f"{text} (default: {' '.join(map(str, default)) if several else default})",
+    }
+    parser.add_argument(name, **{**options, **others})
+
+
+def at_least(least: int) -> Callable[[str], int]:
+    """The type of an option that is a whole number from `least` on."""
+
+    def number(text: str) -> int:
+        value = int(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f"expected {least} or more, not {value}")
+        return value
+
+    return number
 
 
 def add_policy_option(parser: argparse._ActionsContainer) -> None:
@@ -135,12 +147,16 @@ def errors_as_sentences(
 ) -> Iterator[None]:
     """End the process with one sentence, not a traceback, where the user can mend the cause.
 
-    That is exit status 2 for a wrong or missing thing, and 130 where the user stopped it.
+    That is exit status 2 for a wrong or missing thing, 130 where the user stopped it, and 141,
+    without a word, where whoever read the output has closed it, as head does.
     """
     try:
         yield
+        _flush_output()
     except ComparisonError as error:
         parser.error(str(error))
+    except BrokenPipeError:
+        parser.exit(141)
     except OSError as error:
         # The operating system refuses: no such file, no permission, no space.
         named = f"{error.filename}: " if error.filename else ""
@@ -156,6 +172,17 @@ def errors_as_sentences(
         parser.exit(130, f"\n{when_stopped}\n")
     except _errors_of_users() as error:
         parser.error(str(error))
+
+
+def _flush_output() -> None:
+    """Write out what was printed; where that cannot be, what is left of it is dropped."""
+    if sys.stdout is None:  # where it was closed from the beginning
+        return
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise
 
 
 def _errors_of_users() -> tuple[type[Exception], ...]:

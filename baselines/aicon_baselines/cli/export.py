@@ -25,6 +25,8 @@ from typing import Any
 
 from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.command_line import Command, add_option
+from aicon_baselines.evaluation.config import one_episode
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.tasks import choices, load
 
 
@@ -45,12 +47,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, load what was written if it is for this machine, and tell what it is."""
+    from aicon_torch import Policy
     from aicon_torch.export.codegen.targets import this_machine
     from aicon_torch.export.library import Library
 
     task, path, target = arguments.task, arguments.output, arguments.target
-    condition = arguments.condition or load(task).conditions[0]
+    _, condition = one_episode(load(task), arguments.condition, seed=0)
     policy: Any = make(task, arguments.policy, condition)
+    if not isinstance(policy, Policy):
+        raise ComparisonError(
+            f"the policy {arguments.policy!r} cannot be exported; those of the library can, such "
+            "as aicon, steepest or potential_field"
+        )
     policy.export(path, target=target, task=task, policy=arguments.policy, condition=condition)
 
     size = f"{path}: {path.stat().st_size / 1000:.0f} kB"

@@ -16,7 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from aicon_baselines.cli.command_line import Command, add_option
+from aicon_baselines.cli.command_line import Command, add_option, at_least
 
 _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         figure = figures.add_parser(name, help=title, description=title)
         add_option(figure, "--out", Path("runs/figures"), "folder of the files")
         figure.add_argument(
-            "--seed", type=int, help="seed of the episode (default: one that shows it all)"
+            "--seed", type=at_least(0), help="seed of the episode (default: one that shows it all)"
         )
         add_option(figure, "--video", "mp4", "mp4, webp or none")
         if name == "nav2d":

@@ -100,8 +100,8 @@ def rerun(
         condition: Its condition; likewise.
 
     Raises:
-        ComparisonError: If the folder holds no such episode, or its policy keeps no memory that
-            tells what it decided.
+        ComparisonError: If the folder holds no such episode, its policy keeps no memory that tells
+            what it decided, or it ended with its first step.
     """
     config = Config.load(folder / "config.json")
     rows = RunFolder(folder, config).rows()
@@ -118,7 +118,10 @@ def rerun(
     torch.set_num_threads(1)
     env = task.make_env(1, row.condition, task.horizon)
     reset = task.reset_arguments([task.episode(row.seed, row.repeat)])
-    return Rerun(task, row, record(Recording, built, env, reset, task.horizon))
+    recording = record(Recording, built, env, reset, task.horizon)
+    if recording.steps < 2:
+        raise ComparisonError(f"seed {row.seed} ended with its first step: nothing is seen in it")
+    return Rerun(task, row, recording)
 
 
 def _names(rows: list[Row], field: str) -> str:

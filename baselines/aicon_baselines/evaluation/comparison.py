@@ -57,14 +57,22 @@ def compare(
             this machine.
 
     Raises:
-        ComparisonError: If it cannot run in this way, or a worker was killed.
+        ComparisonError: If it cannot run in this way, the folder has rows that lack a measure of
+            the task, or a worker was killed.
     """
     check_counts(jobs=jobs)
     config = folder.config
     task = config.apply(task)
 
     # What is missing, and how many rows are there already.
-    finished = {key(row) for row in folder.rows()}
+    known = folder.rows()
+    for measure in task.measures:
+        if any(measure.key not in row.measures for row in known):
+            raise ComparisonError(
+                f"{folder.path} holds rows of another version, without {measure.key!r}: choose "
+                "another folder"
+            )
+    finished = {key(row) for row in known}
     note_sources(folder.path, task, policies, has_rows=bool(finished))
     missing = list(_list_jobs(task, config, list(policies), finished))
     total = len(policies) * len(config.conditions) * config.repeats * config.episodes

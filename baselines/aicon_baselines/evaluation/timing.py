@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from aicon_baselines.evaluation.errors import check_counts
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.extras import naming_extra
 
@@ -30,7 +31,12 @@ def take_turns(
         rounds: How often every program has its turn.
         steps: Number of steps in a turn.
         name: What the progress bar says.
+
+    Raises:
+        ComparisonError: If there is no round, or no step in one.
     """
+    check_counts(rounds=rounds, steps=steps)
+
     # The first steps are slower: they fill caches, and compile where a program does that.
     for step in programs.values():
         _repeat(step, steps)

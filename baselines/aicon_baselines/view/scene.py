@@ -82,7 +82,7 @@ class Scene(ABC):
     """The curves of strengths, with their colours; by default one for each goal."""
 
     remaining_curves: ClassVar[Mapping[str, str]] = {}
-    """The curves of what is left to do; by default the distance that the environment tells."""
+    """The curves of what is left to do, by their names in `info`, with their colours."""
 
     hint: ClassVar[str] = ""
     """What a hand can do."""

@@ -26,6 +26,22 @@ def test_a_name_that_ends_otherwise_is_a_sentence(
     assert "ends in .so" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("task", "option", "name", "message"),
+    [
+        ("nav2d", "--condition", "fog", "unknown condition 'fog'; valid conditions: range, "),
+        ("pusht", "--condition", "fog", "unknown condition 'fog'; valid conditions: determinis"),
+        ("nav2d", "--policy", "bug2", "'bug2' cannot be exported; those of the library can"),
+    ],
+)
+def test_what_cannot_be_exported_is_a_sentence(
+    task: str, option: str, name: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["export", task, "-o", "policy.so", option, name])
+    assert message in capsys.readouterr().err
+
+
 def test_its_help_lists_the_machines(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="0"):
         main(["export", "--help"])

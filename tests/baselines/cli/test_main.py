@@ -4,11 +4,13 @@ import argparse
 import os
 import subprocess
 import sys
+from pathlib import Path
+from typing import IO
 
 import pytest
 
 from aicon_baselines import agents, extras
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation import ComparisonError
 from aicon_torch import OptionError
@@ -83,6 +85,31 @@ def test_what_a_user_can_mend_is_a_sentence(
     assert sentence in capsys.readouterr().err
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full device")
+@pytest.mark.parametrize("buffered", ["", "1"], ids=["buffered", "unbuffered"])
+def test_output_that_cannot_be_written_is_a_sentence_or_nothing(buffered: str) -> None:
+    command = [sys.executable, "-m", "aicon_baselines.cli.main", "list"]
+    environment = {**os.environ, "PYTHONUNBUFFERED": buffered}
+
+    def run_into(output: IO[str]) -> tuple[int, str]:
+        ended = subprocess.run(
+            command, stdout=output, stderr=subprocess.PIPE, text=True, env=environment, check=False
+        )
+        return ended.returncode, ended.stderr
+
+    # Nobody reads it.
+    reads, writes = os.pipe()
+    os.close(reads)
+    with os.fdopen(writes, "w") as closed:
+        assert run_into(closed) == (141, "")
+
+    # There is no room for it.
+    with Path("/dev/full").open("w") as full:
+        status, told = run_into(full)
+    assert status == 2
+    assert told.endswith("error: No space left on device\n")
+
+
 @pytest.mark.parametrize(
     "error",
     [ValueError("a bug"), ModuleNotFoundError("a bug", name="aicon_torch.missing")],
@@ -91,6 +118,18 @@ def test_what_a_user_can_mend_is_a_sentence(
 def test_what_is_a_bug_stays_a_traceback(error: Exception) -> None:
     with pytest.raises(type(error), match="a bug"):
         run_command(run_with(error), [])
+
+
+@pytest.mark.parametrize(("text", "told"), [("0", "1 or more, not 0"), ("few", "'few'")])
+def test_a_number_has_a_least_value(
+    text: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parser = argparse.ArgumentParser()
+    add_option(parser, "--rounds", 3, "turns", type=at_least(1))
+    assert parser.parse_args([]).rounds == 3
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--rounds", text])
+    assert told in capsys.readouterr().err
 
 
 def test_commands_use_one_thread() -> None:

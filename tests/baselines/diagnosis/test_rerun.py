@@ -61,6 +61,19 @@ def test_a_folder_without_a_comparison_is_an_error(
     assert "is no folder of a comparison" in capsys.readouterr().err
 
 
+def test_an_episode_of_one_step_is_an_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    config = configure(load("nav2d"), seed=1025, horizon=1, episodes=1)
+    row = Row("aicon", "range", 0, 1025, "u_trap_05", False, None, False, 1.0, 4.0, 3.0)
+    with RunFolder.open(tmp_path, config) as run:
+        run.append([row])
+
+    with pytest.raises(SystemExit):
+        main(["diagnose", str(tmp_path), "--seed", "1025"])
+    assert "seed 1025 ended with its first step" in capsys.readouterr().err
+
+
 def test_the_policy_that_failed_is_looked_at_unless_another_is_named() -> None:
     rows = [*rows_by_steps("good", [10]), *rows_by_steps("bad", [None])]
     assert choose_row(rows, seed=rows[0].seed).policy == "bad"

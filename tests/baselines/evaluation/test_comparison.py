@@ -1,5 +1,6 @@
 """Rows do not depend on how the work was spread, interrupted or divided."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,9 +8,12 @@ import pytest
 from _inputs.comparison import POINTS, WALKERS, compare_walkers
 
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.progress import progress_bar
 from aicon_baselines.evaluation.rows_file import read_rows
+from aicon_baselines.evaluation.run_folder import RunFolder
+from aicon_baselines.evaluation.task import Measure
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +107,17 @@ def test_conditions_repeats_and_maps_are_as_configured(tmp_path: Path) -> None:
 def test_bad_ways_to_run_are_refused(tmp_path: Path, options: dict[str, Any], message: str) -> None:
     with pytest.raises(ComparisonError, match=message):
         compare_walkers(tmp_path, **options)
+
+
+def test_rows_without_a_measure_are_refused_before_anything_runs(tmp_path: Path) -> None:
+    config = configure(POINTS, episodes=2)
+    newer = replace(POINTS, measures=(Measure("gap", "least gap", "{:.1f}"),))
+    with RunFolder.open(tmp_path, config) as folder:
+        compare(POINTS, {"fast": WALKERS["fast"]}, folder)
+        before = folder.rows()
+        with pytest.raises(ComparisonError, match="another version, without 'gap'"):
+            compare(newer, WALKERS, folder)
+        assert folder.rows() == before
 
 
 def test_progress_counts_ended_episodes() -> None:

@@ -1,5 +1,8 @@
 """Programs timed side by side."""
 
+import pytest
+
+from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
 
 
@@ -10,6 +13,12 @@ def test_programs_take_turns_after_a_warm_up() -> None:
 
     assert "".join(calls) == "aaabbb" * 3
     assert all(len(seconds) == 2 and min(seconds) >= 0 for seconds in times.values())
+
+
+@pytest.mark.parametrize("wrong", ["rounds", "steps"])
+def test_no_round_and_no_step_are_refused(wrong: str) -> None:
+    with pytest.raises(ComparisonError, match=f"{wrong} must be 1 or more, not 0"):
+        take_turns({"a": lambda: None}, **{"rounds": 1, "steps": 1, wrong: 0}, name="test")
 
 
 def test_spread_is_median_and_percentiles() -> None:
