@@ -24,6 +24,9 @@ ONE_BATCH = (
 )
 """Layers of networks that take one batch dimension, where a graph has any number of them."""
 
+ASKS_FOR_A_VALUE = "_local_scalar_dense"
+"""What torch calls ``if``, ``float`` and ``item`` of a tensor in what it tells while it traces."""
+
 
 def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     """The quantities that a function (or a module's ``forward``) reads: its parameters.
@@ -95,6 +98,8 @@ class Interconnection(Node):
             step is faster. A world model checks them against autograd when it is built.
     """
 
+    called = "Interconnection"
+
     def __init__(
         self,
         function: Callable[..., Any],
@@ -130,15 +135,31 @@ class Interconnection(Node):
             GraphError: If it is no function.
         """
         _check_callable(function, called)
-        return function if isinstance(function, Interconnection) else cls(function)
+        if isinstance(function, Interconnection):
+            return function
+        relation = cls(function)
+        relation.called = called
+        return relation
 
     def forward(self, values: Values) -> Tensor:
-        """Evaluate the relation on the values that it reads."""
+        """Evaluate the relation on the values that it reads.
+
+        Raises:
+            GraphError: If it branches on a value while it is compiled.
+        """
         inputs = [values[name] for name in self.inputs]
-        if self._takes_one_batch:
-            batched: Tensor = _in_one_batch(self.function, inputs)
-            return batched
-        value: Tensor = self.function(*inputs)
+        try:
+            if self._takes_one_batch:
+                batched: Tensor = _in_one_batch(self.function, inputs)
+                return batched
+            value: Tensor = self.function(*inputs)
+        except RuntimeError as error:
+            if ASKS_FOR_A_VALUE not in str(error):
+                raise
+            raise GraphError(
+                f"{self.called}: {self.function!r} branches on the value of a tensor, which a "
+                "compiled step cannot; expected torch.where(condition, value, other)."
+            ) from error
         return value
 
     def components(self, values: Values, called: str) -> int:
