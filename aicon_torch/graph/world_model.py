@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.differentiation import hop_from, values_only
+from aicon_torch.differentiation import hop_from, undisturbed, values_only
 from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
@@ -108,7 +108,7 @@ class WorldModel(nn.Module):
         self.to("cpu", dtype or torch.get_default_dtype())
 
         # Its edges are found by differentiating it.
-        with torch.enable_grad():
+        with undisturbed(self.like), torch.enable_grad():
             self.graph = build_graph(self.declaration, self.like)
         self._register_learned()
 
@@ -321,7 +321,8 @@ class WorldModel(nn.Module):
         Example:
             >>> loss = -model.filter({"z_tar": bearings}, {"a": velocities}).log_likelihood().mean()
         """
-        return LogFilter(self.declaration, self.graph, self.like)(readings, actions, truncate)
+        with undisturbed(self.like):
+            return LogFilter(self.declaration, self.graph, self.like)(readings, actions, truncate)
 
     def information(
         self, readings: Mapping[str, Tensor], actions: Mapping[str, Tensor]
@@ -341,7 +342,8 @@ class WorldModel(nn.Module):
         # By the names under which they were asked for, which are not torch's.
         names = {learned.theta: name.replace("/", ".") for name, learned in self.learned.items()}
         parameters = {names.get(value, name): value for name, value in self.named_parameters()}
-        return information(self.filter(readings, actions), parameters)
+        with undisturbed(self.like):
+            return information(self.filter(readings, actions), parameters)
 
     def record(self, values: Mapping[str, Tensor]) -> LocalGraphs:
         """The local graphs at given values: how each quantity and goal depends on what it reads.
