@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from aicon_torch.errors import OptionError
-from aicon_torch.validation import check_positive, check_whole
+from aicon_torch.validation import check_flags, check_positive, check_whole
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,8 @@ class PlaceEscape:
             never does.
 
     Raises:
-        OptionError: If patience, near or gives_up is no positive number, gives_up a whole one.
+        OptionError: If patience, near or gives_up is no positive number, gives_up a whole one, or
+            a flag is neither True nor False.
     """
 
     near: float = 0.005
@@ -42,7 +43,8 @@ class PlaceEscape:
     gives_up: int | None = None
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Check numbers and flags."""
+        check_flags(self)
         check_positive(self, ("near", "patience"))
         check_whole(self, ("gives_up",))
 

@@ -8,6 +8,7 @@ from torch import Tensor
 from aicon_torch.errors import GraphError, OptionError
 from aicon_torch.interconnections import Interconnection, Node, Values
 from aicon_torch.quantities import as_number
+from aicon_torch.validation import check_flag
 
 MOST_GAPS = 8
 """So many gaps of a safety goal bound an action, the smallest, unless its cost says otherwise."""
@@ -61,6 +62,7 @@ class Goal(Node):
 
     Raises:
         GraphError: If the cost is no function, or the tolerance is negative.
+        OptionError: If safety is neither True nor False.
 
     Example:
         >>> def expected_distance(p_tar, P_tar):  # g₁ of the paper's navigation
@@ -78,6 +80,7 @@ class Goal(Node):
         safety: bool = False,
     ) -> None:
         super().__init__()
+        check_flag(f"Goal {name!r}: safety", safety)
         number = as_number(tolerance)
         if not number >= 0:
             raise GraphError(f"Goal {name!r}: tolerance={tolerance!r}; expected a number >= 0.")

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from aicon_torch.dampers import VelocityDampers
 from aicon_torch.errors import GraphError
-from aicon_torch.validation import check_instance
+from aicon_torch.validation import check_flags, check_instance
 
 PRESENT = ".present"
 """Suffix of the flag ``(*B,)`` that says whether a sensor has a reading in this step."""
@@ -113,6 +113,7 @@ class Sensor:
 
     def __post_init__(self) -> None:
         """Check size, range, scale and times, and keep them as plain numbers."""
+        check_flags(self)
         object.__setattr__(self, "size", as_size("Sensor", self.size))
         object.__setattr__(self, "range", _range("Sensor range", self.range))
 
@@ -171,7 +172,8 @@ class Actuator:
             quantities, wired by their parameter names, that return an action that is allowed,
             ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
-            function wired likewise.
+            function wired likewise. While ``memory["begins"]`` is set, it may be made of readings
+            that never came, such as a place to go to: send none then.
         command_range: Lowest and highest number of a command, to which others are clipped, the last
             one that the memory holds, too, which is sent again at rest; None for any.
         key: The observation's key of the action that the robot executed in the last step, if that
@@ -204,6 +206,7 @@ class Actuator:
 
     def __post_init__(self) -> None:
         """Check limit, constraints and the range of commands; numbers become plain ones."""
+        check_flags(self)
         object.__setattr__(self, "size", as_size("Actuator", self.size))
 
         # One number for the norm, or one a component.

@@ -7,6 +7,7 @@ from torch import Tensor
 from aicon_torch.control.action_law import check_smoothing, low_pass
 from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
+from aicon_torch.validation import check_flags
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class DirectDescent:
         if not self.gain > 0:
             raise OptionError(f"gain={self.gain!r}: expected a number > 0.")
         check_smoothing(self.smoothing)
+        check_flags(self)
 
     @classmethod
     def as_in_paper(cls, gain: float) -> "DirectDescent":

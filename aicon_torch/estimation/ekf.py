@@ -16,6 +16,7 @@ from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.estimation.measurement import Innovation, Measurement, in_turn
 from aicon_torch.interconnections import Affine, Interconnection, Values
 from aicon_torch.quantities import RESTART, as_numbers, as_size
+from aicon_torch.validation import check_flag
 
 Derivative = Literal["model", "update", "detached_gain"]
 """Which derivative the anticipated mean has: see :class:`EKF`."""
@@ -70,6 +71,7 @@ class EKF(Estimator):
         is_motion: bool = False,
     ) -> None:
         super().__init__()
+        check_flag(f"{mean!r}: is_motion", is_motion)
         self.is_motion = is_motion
         self.mean, self.covariance = mean, covariance
         self.outputs = (mean, covariance)

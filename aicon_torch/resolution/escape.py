@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.resolution.base import GradientStack, RankedGradients
+from aicon_torch.validation import check_flags, check_not_negative
 from aicon_torch.vectors import reject, unit
 
 
@@ -43,6 +44,11 @@ class TrapEscape:
     hold_gain: float = 3.0
     along: str | Sequence[str] | None = None
     onward: bool = False
+
+    def __post_init__(self) -> None:
+        """Check numbers and flags."""
+        check_flags(self)
+        check_not_negative(self, ("progress_margin", "hold_gain"))
 
     @property
     def goals(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from torch import Tensor
 from aicon_torch.errors import OptionError
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients
 from aicon_torch.resolution.escape import TrapEscape
+from aicon_torch.validation import check_flags
 from aicon_torch.vectors import reject, select, unit
 
 
@@ -73,6 +74,7 @@ class Exploration:
 
     def __post_init__(self) -> None:
         """Check the options."""
+        check_flags(self)
         if not -1 <= self.enter_cosine <= self.exit_cosine <= 1:
             raise OptionError(
                 f"enter_cosine={self.enter_cosine!r}, exit_cosine={self.exit_cosine!r}: "

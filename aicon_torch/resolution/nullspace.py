@@ -12,6 +12,7 @@ from aicon_torch.errors import OptionError, choices
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients, Resolution
 from aicon_torch.resolution.exploration import Exploration
 from aicon_torch.resolution.projectors import PROJECTORS
+from aicon_torch.validation import check_flags
 from aicon_torch.vectors import select
 
 
@@ -54,6 +55,7 @@ class NullspaceProjection(Resolution):
 
     def __post_init__(self) -> None:
         """Check the options."""
+        check_flags(self)
         if self.temperature is not None and not 0 < self.temperature < math.inf:
             raise OptionError(
                 f"temperature={self.temperature!r}: expected a positive number, or None for no "
