@@ -116,8 +116,9 @@ class Policy(nn.Module):
                 the mechanism are constants of the step.
 
         Returns:
-            The action ``(*B, size)``, of the observation's kind (a dict of them if there are
-            several actuators), and the memory.
+            The action ``(*B, size)`` (a dict of them if there are several actuators), and the
+            memory. It is a tensor where this observation holds a tensor, whatever earlier ones
+            held, and a numpy array of float32 where it holds none, such as an empty one.
 
         Raises:
             ObservationError: If the key of a sensor that is not optional is missing, or a reading

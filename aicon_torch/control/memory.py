@@ -175,6 +175,8 @@ def checked_memory(
             reason = ""
             if tuple(value.shape) == (*own, *shape):
                 reason = f"the batch of {key!r} is {own}, that of {told_by} {batch}; "
+                if batch == () and told_by == "the observation":
+                    reason += "without any reading it is that of a single robot; "
             raise ObservationError(
                 f"state: {reason}expected shape {(*batch, *shape)} of {key!r}, got "
                 f"{tuple(value.shape)}."
