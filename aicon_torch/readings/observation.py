@@ -2,6 +2,7 @@
 
 import difflib
 import logging
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -143,12 +144,11 @@ def _reading(
 def in_unit(reading: Tensor, sensor: Sensor) -> Tensor:
     """A reading ``(*B, size)`` in the graph's unit, NaN where it is none."""
     # Beyond the range, or infinite, there is no reading.
-    if sensor.range is None:
-        within = reading.isfinite()
-    else:
+    within = reading.isfinite()
+    if sensor.range is not None:
         low, high = sensor.range
-        slack = ROUNDING * (high - low)
-        within = (reading >= low - slack) & (reading <= high + slack)
+        slack = ROUNDING * (high - low) if math.isfinite(high - low) else 0.0
+        within = within & (reading >= low - slack) & (reading <= high + slack)
     reading = torch.where(within, reading, torch.nan)
 
     if sensor.scale == 1:

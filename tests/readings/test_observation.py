@@ -109,6 +109,15 @@ def test_beyond_the_range_there_is_no_reading(far: float, kind: Any) -> None:
     assert after["z_obs"] == 1.0
 
 
+@pytest.mark.parametrize("far", [-0.1, np.inf])
+def test_a_range_may_have_one_end(far: float) -> None:
+    sensors = {"z": Sensor(2, "m", range=(0.0, np.inf))}
+    actuators = {"a": Actuator(2, "m/s", limit=1.0)}
+    policy = Policy(tracking_model(sensors=sensors, actuators=actuators))
+    _, memory = policy.predict({"z": np.array([[0.0, 1e9], [far, 1.0]])})
+    assert memory["z.present"].tolist() == [True, False]
+
+
 def masked_rows(values: list[float], masks: list[bool]) -> Any:
     """Rows ``(N, 1)``, as whoever stacks single readings has them."""
     pairs = zip(values, masks, strict=True)
