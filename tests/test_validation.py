@@ -44,6 +44,12 @@ def test_a_flag_is_true_or_false(name: str, build: Callable[[Any], Any]) -> None
             build(wrong)
 
 
+@pytest.mark.parametrize(("name", "wrong"), [("progress", ["near"]), ("hold", 3), ("along", 3)])
+def test_an_escape_names_goals(name: str, wrong: Any) -> None:
+    with pytest.raises(OptionError, match=f"{name}="):
+        TrapEscape(**{name: wrong})
+
+
 @pytest.mark.parametrize("name", ["progress_margin", "hold_gain"])
 @pytest.mark.parametrize("wrong", [-1.0, np.nan, "2"])
 def test_numbers_of_an_escape_are_not_negative(name: str, wrong: Any) -> None:

@@ -5,7 +5,6 @@ from typing import Protocol, runtime_checkable
 import torch
 from torch import Tensor
 
-from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
 
 
@@ -93,13 +92,3 @@ def low_pass(
     if smoothing == 0:
         return action
     return actuator.clip(torch.lerp(last, action, dt / (dt + smoothing)))
-
-
-def check_smoothing(smoothing: float) -> None:
-    """Check a time constant.
-
-    Raises:
-        OptionError: If it is negative.
-    """
-    if not smoothing >= 0:
-        raise OptionError(f"smoothing={smoothing!r}: expected a time >= 0 (s).")
