@@ -1,6 +1,7 @@
 """Interconnections: differentiable relations of quantities, wired by parameter names."""
 
 import inspect
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -9,6 +10,7 @@ from torch import Tensor, nn
 
 from aicon_torch.differentiation import hop_from, learns, pull
 from aicon_torch.errors import GraphError, choices, in_order
+from aicon_torch.quantities import as_number
 
 Values = Mapping[str, Tensor]
 """Named values of one step: quantities of shape ``(*B, *shape)``, and the time step ``dt``, s.
@@ -35,8 +37,16 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
         GraphError: If a parameter names no quantity, or cannot be given by its place.
     """
     called = function.forward if isinstance(function, nn.Module) else function
+    try:
+        parameters = inspect.signature(called).parameters
+    except ValueError:  # functions of torch itself do not say what they take
+        raise GraphError(
+            f"{function!r} does not say what it takes: expected Interconnection(function, "
+            "inputs=[...])."
+        ) from None
+
     names: list[str] = []
-    for name, parameter in inspect.signature(called).parameters.items():
+    for name, parameter in parameters.items():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             raise GraphError(
                 f"{function!r}: '*{name}' names no quantity; name each parameter after one."
@@ -67,7 +77,7 @@ def wired_by(function: Callable[..., object], inputs: Sequence[str]) -> tuple[st
             f"{function!r}, inputs={list(names)}: expected one name for each parameter that can be "
             f"given by its place; {error}."
         ) from None
-    except ValueError:  # functions of torch itself do not say what they take
+    except ValueError:  # as above
         pass
     return names
 
@@ -291,6 +301,9 @@ class Affine(Interconnection):
         nn.Module.__init__(self)  # there is no function to wire
         self.jacobians = nn.ModuleDict()
 
+        if not matrices:
+            raise GraphError("Affine(): expected a matrix for a quantity, such as Affine(x=1.0).")
+
         # Matrices are buffers; numbers, and names of numbers, are multiples of the identity.
         self.factors: dict[str, float] = {}
         self.named_factors: dict[str, str] = {}
@@ -300,7 +313,7 @@ class Affine(Interconnection):
             elif isinstance(value, str):
                 self.named_factors[name] = value
             else:
-                self.factors[name] = value
+                self.factors[name] = _factor(name, value)
         self.inputs = (*matrices, *dict.fromkeys(self.named_factors.values()))
         self._quantities = tuple(matrices)
 
@@ -407,6 +420,16 @@ def copied(values: Values, *count: int) -> dict[str, Tensor]:
     for name, value in values.items():
         copies[name] = value.expand(*count, *value.shape) if value.dim() else value
     return copies
+
+
+def _factor(name: str, given: Any) -> float:
+    """A number that stands for a multiple of the identity."""
+    factor = as_number(given)
+    if not math.isfinite(factor):
+        raise GraphError(
+            f"Affine({name}={given!r}): expected a finite number, a matrix as a tensor, or 'dt'."
+        )
+    return factor
 
 
 def _check_callable(function: object, called: str) -> None:

@@ -214,23 +214,23 @@ class EKF(Estimator):
             return as_size(repr(self.mean), size)
 
         # ... and numbers are kept with the module, to move between devices with it.
-        self._check_constants(initial)
-        mean, variances = initial
+        mean, variances = self._constants(initial)
         covariance = Covariance(variances, len(mean), named="variances of initial")
         self.prior, self.prior_inputs = None, ()
-        self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
+        self.register_buffer("prior_mean", torch.tensor(mean, dtype=torch.float64))
         self.register_buffer("prior_covariance", covariance.constant)
         return len(mean)
 
-    def _check_constants(self, initial: Any) -> None:
-        """A prior of numbers has a mean of at least one component, and its variances."""
+    def _constants(self, initial: Any) -> tuple[tuple[float, ...], Any]:
+        """A prior of numbers: a mean of at least one component, and its variances."""
         is_pair = isinstance(initial, Sequence) and len(initial) == 2
         mean = as_numbers(initial[0]) if is_pair else math.nan
-        if not isinstance(mean, tuple) or not mean:
+        if not isinstance(mean, tuple) or not mean or not all(map(math.isfinite, mean)):
             raise GraphError(
                 f"initial of {self.mean!r}: expected (mean, variances), such as ((1.0, 0.0), 9.0), "
                 f"or a function, got {initial!r}."
             )
+        return mean, initial[1]
 
     def _prior_belief(self, values: Values) -> tuple[Tensor, Tensor]:
         """What is believed before the first step."""
