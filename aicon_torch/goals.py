@@ -81,6 +81,8 @@ class Goal(Node):
     ) -> None:
         super().__init__()
         check_flag(f"Goal {name!r}: safety", safety)
+        if not isinstance(name, str):
+            raise GraphError(f"Goal {name!r}: expected a name.")
         number = as_number(tolerance)
         if not number >= 0:
             raise GraphError(f"Goal {name!r}: tolerance={tolerance!r}; expected a number >= 0.")

@@ -105,7 +105,7 @@ def check_function(options: object, names: Sequence[str], called: str) -> None:
         OptionError: If one cannot.
     """
     for name in names:
-        value = getattr(options, name)
+        value = getattr(options, name, None)
         if not callable(value):
             raise OptionError(f"{name}={value!r}: expected a function, {name}{called}.")
 

@@ -17,6 +17,9 @@ from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
 
+TAKEN = ("dt", "begins", "steps")
+"""Names that a step gives to something else: see ``docs/memory.md``."""
+
 UNREADY = (nn.modules.batchnorm._BatchNorm, nn.modules.dropout._DropoutNd)
 """Layers of networks that are something else in training."""
 
@@ -46,10 +49,10 @@ def check_names(
                 f"{name!r} is declared {declared.count(name)} times; each name stands for one "
                 "thing."
             )
-        if name == "dt" or "/" in name or "." in name:
+        if name in TAKEN or "/" in name or "." in name:
             raise GraphError(
-                f"{name!r} is taken: 'dt' is the time step, and '/' and '.' mark what is "
-                "remembered."
+                f"{name!r} is taken: 'dt' is the time step, 'begins' and 'steps' are remembered of "
+                "an episode, and '/' and '.' mark what is remembered besides."
             )
         if name == "":
             raise GraphError("A part of the graph is called '': expected a name.")

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import hop_from, undisturbed, values_only
-from aicon_torch.errors import GraphError
+from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
@@ -231,8 +231,13 @@ class WorldModel(nn.Module):
             >>> learner = model.learn("p_tar.noise", start={"p_tar.measurements.0.noise": 0.1})
             >>> optimizer = torch.optim.Adam(learner.parameters(), lr=0.05)
         """
-        model = copy.deepcopy(self)
+        if start is not None and not isinstance(start, Mapping):
+            raise GraphError(f"start={start!r}: expected numbers by name.")
         chosen = {**dict.fromkeys(names), **(start or {})}
+        if not chosen:
+            raise GraphError(f"learn: expected the name of a number: {choices(self.numbers)}.")
+
+        model = copy.deepcopy(self)
         parameters = make_learn(model._named_parts(), chosen, self.like)
         model._register_learned()
         check_effect(model.declaration, model.graph, parameters, model.like)

@@ -83,6 +83,10 @@ MISNAMED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tracking_model(goals=[Goal("near", near), Goal("near", near)]),
         r"'near' is declared 2 times",
     ),
+    "a name of what is remembered": (
+        lambda: tracking_model(MOVE, TRACK, Deterministic("steps", move)),
+        "'steps' is taken",
+    ),
     "the time step's name": (
         lambda: tracking_model(MOVE, TRACK, Deterministic("dt", lambda a: a)),
         r"'dt' is taken",
