@@ -164,7 +164,7 @@ def checked_memory(
 
     # ... and, for each name, a tensor as large as the observation's batch.
     checked: Memory = {}
-    told_by = "the observation"
+    told_by = "the observation" if batch else "an observation of one robot, or of no reading,"
     for key, shape in shapes.items():
         value = _checked_type(key, memory[key], integers.get(key))
         own = tuple(value.shape[: value.dim() - len(shape)])
@@ -175,8 +175,6 @@ def checked_memory(
             reason = ""
             if tuple(value.shape) == (*own, *shape):
                 reason = f"the batch of {key!r} is {own}, that of {told_by} {batch}; "
-                if batch == () and told_by == "the observation":
-                    reason += "without any reading it is that of a single robot; "
             raise ObservationError(
                 f"state: {reason}expected shape {(*batch, *shape)} of {key!r}, got "
                 f"{tuple(value.shape)}."

@@ -286,12 +286,13 @@ def named_errors(node: Estimator | Goal, values: Values) -> Iterator[None]:
         yield
     except GraphError:
         raise
-    except NotImplementedError as error:
-        raise GraphError(
-            f"{type(node).__name__} of {names_of(node)[0]!r} lacks one of the methods initial, "
-            "update and forward."
-        ) from error
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
+        if isinstance(error, NotImplementedError) and not error.args:  # an Estimator's own
+            raise GraphError(
+                f"{type(node).__name__} of {names_of(node)[0]!r} lacks one of the methods initial, "
+                "update and forward."
+            ) from error
+
         # Where torch names two precisions, it is not the shapes that do not fit.
         precisions = {word.lower() for word in PRECISIONS.findall(str(error))}
         advice = f". {other_precision(_precision(values))}" if len(precisions) > 1 else ""

@@ -23,6 +23,7 @@ from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
 from aicon_torch.learned import learned_in, make_learn, numbers_of
 from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.readings.sensor_validation import NEVER
 from aicon_torch.shaping import straight_through
 
 
@@ -87,9 +88,10 @@ class WorldModel(nn.Module):
     ) -> None:
         super().__init__()
         is_type = isinstance(dtype, torch.dtype) and dtype.is_floating_point
-        if dtype is not None and not is_type:
+        if dtype is not None and not (is_type and torch.finfo(dtype).max > NEVER):
             raise GraphError(
-                f"dtype={dtype!r}: expected a floating-point type such as torch.float64."
+                f"dtype={dtype!r}: expected a floating-point type such as torch.float64, with "
+                f"numbers up to {NEVER:g}."
             )
         if torch.is_inference_mode_enabled():
             raise GraphError(

@@ -115,6 +115,14 @@ INCOMPLETE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tracking_model(dtype=torch.int64),
         r"torch.int64.*floating-point",
     ),
+    "a type without the age of what never came": (
+        lambda: tracking_model(dtype=torch.float16),
+        r"torch.float16.* numbers up to 1e\+09",
+    ),
+    "a function that changes what it reads": (
+        lambda: tracking_model(Deterministic("x", lambda a, dt: a.mul_(dt)), TRACK),
+        "'x' cannot be evaluated .*in-place",
+    ),
     "sensors without names": (
         lambda: tracking_model(sensors=[Sensor(2, "m")]),
         r"sensors: expected them by name, \{'name': Sensor\(...\)\}, got list",
