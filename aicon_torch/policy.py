@@ -130,19 +130,17 @@ class Policy(nn.Module):
             with through_time():
                 return readable.predict(observation, state, episode_start)
         native = None if self._native is None else self._native.of(self._step, self.perception)
-        if native is not None and self._earlier(state) is None:
+        if native is not None:
+            # The memory of a policy with less in it goes on by a readable step: it is but one.
+            if self._earlier(state) is not None:
+                return self._readable().predict(observation, state, episode_start)
             action, after = native.predict(observation, state, episode_start)
             return action, cast(Memory, after)  # it is read like one
-
-        # The memory of a policy with less in it goes on by a readable step: it is but one.
-        step = self._step
-        if native is not None:
-            step = ControlStep(self.model, self.backward_pass, self.law)
 
         seen = self._perceived(observation, state, episode_start)
         with undisturbed(self.model.like):
             memory, readings = self._begin(seen, state, episode_start)
-            commands, memory = step(readings, memory)
+            commands, memory = self._step(readings, memory)
 
         # An action is of the observation's kind, and alone where there is one actuator.
         takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
@@ -260,10 +258,9 @@ class Policy(nn.Module):
         """
         from aicon_torch.export.inductor import CompiledStep  # loads the compiler
 
-        compiled = Policy(self.model, self.resolution, self.law, self.perception)
+        compiled = self._readable()
         compiled._step = CompiledStep(compiled._step)
         compiled._native = NativeSteps()
-        compiled._made_of = self._made_of
         return compiled
 
     def with_goal(self, goal: Goal) -> "Policy":

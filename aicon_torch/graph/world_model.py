@@ -18,11 +18,11 @@ from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
 from aicon_torch.graph.information import Information, information
-from aicon_torch.graph.paths import Edge, PathTable
+from aicon_torch.graph.paths import PathTable
 from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
 from aicon_torch.learned import learned_in, make_learn, numbers_of
-from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.quantities import Actuator, Sensor
 from aicon_torch.readings.sensor_validation import NEVER
 from aicon_torch.shaping import straight_through
 
@@ -66,6 +66,15 @@ class WorldModel(nn.Module):
         dtype: Precision of all values; by default torch's default. They are on the CPU, whatever
             device is torch's default, until the model is moved.
 
+    Attributes:
+        declaration: The parts as they were declared.
+        graph: What runs in which order, and along which edges gradients travel.
+        estimators: The estimators in the order in which they run.
+        owners: The estimator of each estimate.
+        quantities: Sensors, actuators and estimates, with their shapes.
+        edges: For each quantity and goal on a path, the quantities that its gradient goes on to.
+        like: A scalar of the model's dtype on its device.
+
     Raises:
         GraphError: If a name is unknown or given twice, a shape does not fit, a function does not
             let the leading dimensions free or mixes the rows of a batch, functions define each
@@ -73,7 +82,7 @@ class WorldModel(nn.Module):
             :func:`torch.inference_mode`.
     """
 
-    _like: Tensor
+    like: Tensor
 
     def __init__(
         self,
@@ -98,71 +107,24 @@ class WorldModel(nn.Module):
                 "A model is differentiated when it is built, which torch.inference_mode() does not "
                 "allow: build it before."
             )
-        self.declaration = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
+        declared = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
+        self.declaration, self.dt, self.clock = declared, declared.dt, declared.clock
+        self.sensors, self.actuators = declared.sensors, declared.actuators
+        self.goals = declared.goals
 
         # The parts become the model's own, with its precision.
         self._parts = nn.ModuleList([*estimators, *goals])
-        for name in self.declaration.actuators:
-            self._parts.extend(self.declaration.functions_of(name))
-        self.register_buffer(
-            "_like", torch.zeros((), device="cpu"), persistent=False
-        )  # tells dtype and device
+        for name in self.actuators:
+            self._parts.extend(declared.functions_of(name))
+        self.register_buffer("like", torch.zeros((), device="cpu"), persistent=False)
         self.to("cpu", dtype or torch.get_default_dtype())
 
         # Its edges are found by differentiating it.
         with undisturbed(self.like), torch.enable_grad():
-            self.graph = build_graph(self.declaration, self.like)
+            self.graph = build_graph(declared, self.like)
+        self.estimators, self.owners = self.graph.estimators, self.graph.owners
+        self.quantities, self.edges = self.graph.quantities, self.graph.edges
         self._register_learned()
-
-    @property
-    def sensors(self) -> dict[str, Sensor]:
-        """Readings by name."""
-        return self.declaration.sensors
-
-    @property
-    def actuators(self) -> dict[str, Actuator]:
-        """Commands by name."""
-        return self.declaration.actuators
-
-    @property
-    def goals(self) -> dict[str, Goal]:
-        """The goals by name."""
-        return self.declaration.goals
-
-    @property
-    def estimators(self) -> tuple[Estimator, ...]:
-        """The estimators in the order in which they run."""
-        return self.graph.estimators
-
-    @property
-    def owners(self) -> dict[str, Estimator]:
-        """The estimator of each estimate."""
-        return self.graph.owners
-
-    @property
-    def quantities(self) -> dict[str, Quantity]:
-        """Sensors, actuators and estimates, with their shapes."""
-        return self.graph.quantities
-
-    @property
-    def edges(self) -> dict[str, tuple[Edge, ...]]:
-        """For each quantity and goal on a path, the quantities that its gradient goes on to."""
-        return self.graph.edges
-
-    @property
-    def dt(self) -> float:
-        """Time step, s."""
-        return self.declaration.dt
-
-    @property
-    def clock(self) -> str | None:
-        """The sensor that tells how long the last step took."""
-        return self.declaration.clock
-
-    @property
-    def like(self) -> Tensor:
-        """A scalar of the model's dtype on its device."""
-        return self._like
 
     def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "WorldModel":
         """This model with an estimator more, and the sensors that it reads.

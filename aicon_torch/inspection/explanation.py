@@ -71,8 +71,7 @@ class Explanation:
         """A few lines to read."""
         lines: list[str] = []
         for name, action in self.action.items():
-            numbers = ", ".join(f"{component:+.3f}" for component in action)
-            lines.append(f"{name} = ({numbers})")
+            lines.append(f"{name} = {as_text(action)}")
         for name, goal in self.goals.items():
             change = f"predicted change {goal.predicted_change:+.2g}"
             lines.append(f"goal {name}: cost {goal.cost:.4g}, {change}")
@@ -131,6 +130,11 @@ def alerts(model: WorldModel, memory: Memory) -> Iterator[str]:
         yield "at rest: the episode begins with the first reading of each sensor"
         for name in model.declaration.commands:
             yield f"  until then send {name!r} no command: it may be made of what was never read"
+
+
+def as_text(action: tuple[float, ...]) -> str:
+    """``(+0.100, -0.200)``."""
+    return "(" + ", ".join(f"{component:+.3f}" for component in action) + ")"
 
 
 def _since_when(name: str, sensor: Sensor, memory: Memory) -> str:

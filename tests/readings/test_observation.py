@@ -210,9 +210,7 @@ def test_other_keys_are_not_taken_for_misspelt_ones(caplog: pytest.LogCaptureFix
 def test_without_any_reading_an_observation_is_that_of_one_robot() -> None:
     policy = seen_at()
     _, memory = policy.predict({"place": np.zeros((3, 2))})
-    with pytest.raises(
-        ObservationError, match=r"is \(3,\), .*of no reading, \(\)"
-    ):
+    with pytest.raises(ObservationError, match=r"is \(3,\), .*of no reading, \(\)"):
         policy.predict({}, memory)
 
     nothing = {"place": np.full((3, 2), np.nan)}
