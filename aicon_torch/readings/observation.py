@@ -84,8 +84,8 @@ def read(
 
     # What may be missing may be misspelt.
     known = _keys(sensors, actuators)
-    if not known <= observation.keys():
-        given = frozenset(key for key in observation if isinstance(key, str))
+    if not all(key in observation for key in known):
+        given = frozenset(key for key in observation.keys() if isinstance(key, str))
         _warn_of_misspelt(known, given)
     return readings
 
@@ -101,7 +101,7 @@ def _keys(sensors: Mapping[str, Sensor], actuators: Mapping[str, Actuator]) -> f
 @lru_cache  # so that each is told once
 def _warn_of_misspelt(known: frozenset[str], given: frozenset[str]) -> None:
     """Log keys that nobody reads and that are much like one that is missing."""
-    for key in sorted(known - given):
+    for key in sorted(filter(lambda key: isinstance(key, str), known - given)):
         for other in difflib.get_close_matches(key, given - known, cutoff=ALIKE):
             _LOGGER.warning(
                 "The observation has no %r, which may be missing, but it has %r, which nobody "
