@@ -85,8 +85,7 @@ def read(
     # What may be missing may be misspelt.
     known = _keys(sensors, actuators)
     if not all(key in observation for key in known):
-        given = frozenset(key for key in observation.keys() if isinstance(key, str))
-        _warn_of_misspelt(known, given)
+        _warn_of_misspelt(known, frozenset(filter(_is_word, observation.keys())))
     return readings
 
 
@@ -98,10 +97,14 @@ def _keys(sensors: Mapping[str, Sensor], actuators: Mapping[str, Actuator]) -> f
     return frozenset(keys)
 
 
+def _is_word(key: Any) -> bool:
+    return isinstance(key, str)
+
+
 @lru_cache  # so that each is told once
 def _warn_of_misspelt(known: frozenset[str], given: frozenset[str]) -> None:
     """Log keys that nobody reads and that are much like one that is missing."""
-    for key in sorted(filter(lambda key: isinstance(key, str), known - given)):
+    for key in sorted(filter(_is_word, known - given)):
         for other in difflib.get_close_matches(key, given - known, cutoff=ALIKE):
             _LOGGER.warning(
                 "The observation has no %r, which may be missing, but it has %r, which nobody "
