@@ -305,16 +305,14 @@ class Affine(Interconnection):
             raise GraphError("Affine(): expected a matrix for a quantity, such as Affine(x=1.0).")
 
         # Matrices are buffers; numbers, and names of numbers, are multiples of the identity.
-        self.factors: dict[str, float] = {}
-        self.named_factors: dict[str, str] = {}
+        self.factors: dict[str, float | str] = {}
         for name, value in matrices.items():
             if isinstance(value, Tensor):
                 self.register_buffer(f"matrix_{name}", value.to(torch.float64))
-            elif isinstance(value, str):
-                self.named_factors[name] = value
             else:
-                self.factors[name] = _factor(name, value)
-        self.inputs = (*matrices, *dict.fromkeys(self.named_factors.values()))
+                self.factors[name] = value if isinstance(value, str) else _factor(name, value)
+        named = [factor for factor in self.factors.values() if isinstance(factor, str)]
+        self.inputs = (*matrices, *dict.fromkeys(named))
         self._quantities = tuple(matrices)
 
     def forward(self, values: Values) -> Tensor:
@@ -341,7 +339,7 @@ class Affine(Interconnection):
             count = counts[name] = values[name].shape[-1]
 
             # A matrix takes as many as it has columns, and gives as many as it has rows.
-            if name not in self.factors and name not in self.named_factors:
+            if name not in self.factors:
                 shape = tuple(self._matrix(name, values).shape)
                 if len(shape) != 2 or shape[1] != count:
                     raise GraphError(
@@ -364,13 +362,13 @@ class Affine(Interconnection):
     def _term(self, name: str, values: Values) -> Tensor:
         """M x, ``(*B, m)``."""
         value = values[name]
-        if name in self.named_factors:
-            return values[self.named_factors[name]] * value
         if name not in self.factors:
             return (self._matrix(name, values) * value.unsqueeze(-2)).sum(-1)
 
         # Multiples of the identity need no matrix, and the most common ones no product.
         factor = self.factors[name]
+        if isinstance(factor, str):
+            return values[factor] * value
         if factor == 1:
             return value
         if factor == -1:
@@ -379,16 +377,15 @@ class Affine(Interconnection):
 
     def _matrix(self, name: str, values: Values) -> Tensor:
         """M, ``(m, n)``, or ``(*B, m, n)`` if it is a multiple that differs from row to row."""
-        if name not in self.factors and name not in self.named_factors:
+        if name not in self.factors:
             matrix: Tensor = getattr(self, f"matrix_{name}")
             return matrix
 
         # c I, or dt I: with a clock dt is (*B, 1), and the matrix (*B, n, n).
         like = values[name]
         identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
-        if name in self.factors:
-            return self.factors[name] * identity
-        return values[self.named_factors[name]].unsqueeze(-1) * identity
+        factor = self.factors[name]
+        return (values[factor].unsqueeze(-1) if isinstance(factor, str) else factor) * identity
 
 
 class Constant(Interconnection):
