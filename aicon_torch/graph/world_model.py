@@ -162,12 +162,10 @@ class WorldModel(nn.Module):
         sensors: Mapping[str, Sensor] | None = None,
     ) -> "WorldModel":
         """This model with more in it, on the same device."""
-        # What is new comes to the device of what is there.
         check_kinds({}, {}, estimators, goals)
-        for part in (*estimators, *goals):
-            part.to(self.like.device)
-        with self.like.device:
-            return WorldModel(
+        device = self.like.device
+        try:
+            grown = WorldModel(
                 sensors={**self.sensors, **(sensors or {})},
                 actuators=self.actuators,
                 estimators=[*self.declaration.estimators, *estimators],
@@ -176,6 +174,9 @@ class WorldModel(nn.Module):
                 clock=self.clock,
                 dtype=self.like.dtype,
             )
+        finally:
+            self.to(device)  # a model is built on the CPU, and so were the parts of this one
+        return grown.to(device)
 
     def learn(self, *names: str, start: Mapping[str, Any] | None = None) -> "WorldModel":
         """A copy of this model of which some numbers learn, and nothing else.
