@@ -3,34 +3,34 @@
 from dataclasses import dataclass, field
 
 from aicon_torch.errors import OptionError
-from aicon_torch.validation import check_positive, check_whole
+from aicon_torch.validation import check_flags, check_positive, check_whole
 
 
 @dataclass(frozen=True)
 class PlaceEscape:
-    """What is done where constraints bring an actuator to rest: it goes elsewhere and tries anew.
+    """Where constraints bring an actuator to rest, it goes to another place and tries from there.
 
-    It goes to a place at which the goals would be reached, which it seeks while it moves, and to
-    the next one from a way that is blocked. While it knows none, or does not seek, it goes to one
-    in the middle half of its range that a sequence names, mirrored where a component was at its
-    stop when it was held up before:
-    :class:`aicon_torch.safety.places.Places` has the rules.
+    At this place the goals would be reached. Such places are sought while the robot moves, and the
+    next one is tried where the way is blocked. As long as none is known, a fixed sequence names
+    places in the middle half of the actuator's range, mirrored where a component was at its stop
+    when it was held up last. :class:`aicon_torch.safety.places.Places` has the rules.
 
     Attributes:
         near: A cost below this, in its unit, is near enough to stay.
-        patience: How long a cost may fail to fall, as the way that an actuator at its limit goes in
-            this time, rad for an arm.
+        patience: For how long a cost may fail to fall: the way that an actuator at its limit goes
+            in this time, rad for an arm.
         remembers: Whether it remembers at which stops its components were held up.
-        whole: So many components, the first and the last ones, go anywhere in their ranges.
-        seeks: Whether it seeks.
-        looks_ahead: Whether it passes over places of the sequence at which a gap would be closed,
-            or halfway to which one would: in each step it looks at one of the two. Such places have
-            their turn sooner, since more of them can be reached.
-        gives_up: After so many places it goes to where the goals were nearest, and stays; None
-            never does.
+        whole: How many of the first and of the last components use their whole ranges.
+        seeks: Whether places at which the goals would be reached are sought.
+        looks_ahead: Whether places of the sequence are skipped where a gap would be closed there or
+            halfway; each step looks at one of the two. The sequence has its turn sooner then, since
+            more of its places can be reached.
+        gives_up: After how many places it goes to where the goals were nearest, and stays; None
+            for never.
 
     Raises:
-        OptionError: If patience, near or gives_up is no positive number, gives_up a whole one.
+        OptionError: If patience, near or gives_up is no positive number, gives_up a whole one, or
+            a flag is neither True nor False.
     """
 
     near: float = 0.005
@@ -42,7 +42,8 @@ class PlaceEscape:
     gives_up: int | None = None
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Check numbers and flags."""
+        check_flags(self)
         check_positive(self, ("near", "patience"))
         check_whole(self, ("gives_up",))
 
@@ -72,9 +73,9 @@ class VelocityDampers:
         sweeps: Of the solver, at most: what they have not found yet is drawn back toward rest.
             None finds the action exactly, which pays among many gaps; nothing is learned through
             it.
-        haste: So many times the nominal action is what it comes near to. Where the actuator has a
-            metric, components that are not at their limits then go on faster, as far as the metric
-            gains by it; at 1 the nominal action itself is within the limits, and they do not.
+        haste: The action comes as near as it can to this many times the nominal one. Where the
+            actuator has a metric, components that are not at their limits then go on faster, as
+            far as the metric gains by it; at 1 the nominal action is within the limits as it is.
 
     Raises:
         OptionError: If one is no positive number, sweeps a whole one, or there is haste with a

@@ -49,6 +49,17 @@ def through_time() -> Iterator[None]:
         _MODE.learns = before
 
 
+@contextmanager
+def undisturbed(like: Tensor) -> Iterator[None]:
+    """Compute as if the caller had entered neither inference mode nor autocast.
+
+    Args:
+        like: A tensor on the device that computes.
+    """
+    with torch.inference_mode(False), torch.autocast(like.device.type, enabled=False):
+        yield
+
+
 def values_only(
     function: Callable[_Parameters, _Result],
 ) -> Callable[_Parameters, _Result]:

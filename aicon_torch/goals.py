@@ -8,6 +8,7 @@ from torch import Tensor
 from aicon_torch.errors import GraphError, OptionError
 from aicon_torch.interconnections import Interconnection, Node, Values
 from aicon_torch.quantities import as_number
+from aicon_torch.validation import check_flag
 
 MOST_GAPS = 8
 """So many gaps of a safety goal bound an action, the smallest, unless its cost says otherwise."""
@@ -44,14 +45,15 @@ class Goal(Node):
     A *safety* goal is not followed: no action may raise its cost above the tolerance. Each of its
     gaps, what is left until it costs something, bounds the actions that act on it (see
     :class:`aicon_torch.dampers.VelocityDampers`). Its gradient meets no other and is never
-    projected away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the
-    parameters of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is
-    ε − g. Of many gaps only the smallest bound an action; a cost that can compute one without the
-    others may have a method ``gap``, with the number of that one ``(*B,)`` as its last parameter,
-    and leaves out those that no action changes.
-    One that bounds each component of the actuator by itself may have a method ``room``,
-    likewise, that says how far they may go down and up, ``(*B, n)`` both: see
-    :class:`aicon_torch.dampers.PlaceEscape`.
+    projected away, and exploration keeps its bounds. Its cost may have these methods, with the
+    parameters of the cost:
+
+    - ``gaps`` returns the gaps, ``(*B, m)``, of which only the smallest bound an action. Without
+      it there is one, ε − g.
+    - ``gap`` computes one of many gaps without the others; its last parameter is the number of
+      that one, ``(*B,)``. Such a cost leaves out gaps that no action changes.
+    - ``room`` returns how far each component of the actuator may go down and up, ``(*B, n)`` both,
+      if each is bounded by itself: see :class:`aicon_torch.dampers.PlaceEscape`.
 
     Args:
         name: Name of the goal, by which it is switched and explained.
@@ -61,6 +63,7 @@ class Goal(Node):
 
     Raises:
         GraphError: If the cost is no function, or the tolerance is negative.
+        OptionError: If safety is neither True nor False.
 
     Example:
         >>> def expected_distance(p_tar, P_tar):  # g₁ of the paper's navigation
@@ -78,6 +81,9 @@ class Goal(Node):
         safety: bool = False,
     ) -> None:
         super().__init__()
+        check_flag(f"Goal {name!r}: safety", safety)
+        if not isinstance(name, str):
+            raise GraphError(f"Goal {name!r}: expected a name.")
         number = as_number(tolerance)
         if not number >= 0:
             raise GraphError(f"Goal {name!r}: tolerance={tolerance!r}; expected a number >= 0.")

@@ -1,6 +1,7 @@
 """Interconnections: differentiable relations of quantities, wired by parameter names."""
 
 import inspect
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -9,6 +10,7 @@ from torch import Tensor, nn
 
 from aicon_torch.differentiation import hop_from, learns, pull
 from aicon_torch.errors import GraphError, choices, in_order
+from aicon_torch.quantities import as_number
 
 Values = Mapping[str, Tensor]
 """Named values of one step: quantities of shape ``(*B, *shape)``, and the time step ``dt``, s.
@@ -24,6 +26,9 @@ ONE_BATCH = (
 )
 """Layers of networks that take one batch dimension, where a graph has any number of them."""
 
+ASKS_FOR_A_VALUE = "_local_scalar_dense"
+"""What torch calls ``if``, ``float`` and ``item`` of a tensor in what it tells while it traces."""
+
 
 def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     """The quantities that a function (or a module's ``forward``) reads: its parameters.
@@ -32,8 +37,16 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
         GraphError: If a parameter names no quantity, or cannot be given by its place.
     """
     called = function.forward if isinstance(function, nn.Module) else function
+    try:
+        parameters = inspect.signature(called).parameters
+    except ValueError:  # functions of torch itself do not say what they take
+        raise GraphError(
+            f"{function!r} does not say what it takes: expected Interconnection(function, "
+            "inputs=[...])."
+        ) from None
+
     names: list[str] = []
-    for name, parameter in inspect.signature(called).parameters.items():
+    for name, parameter in parameters.items():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             raise GraphError(
                 f"{function!r}: '*{name}' names no quantity; name each parameter after one."
@@ -64,7 +77,7 @@ def wired_by(function: Callable[..., object], inputs: Sequence[str]) -> tuple[st
             f"{function!r}, inputs={list(names)}: expected one name for each parameter that can be "
             f"given by its place; {error}."
         ) from None
-    except ValueError:  # functions of torch itself do not say what they take
+    except ValueError:  # as above
         pass
     return names
 
@@ -94,6 +107,8 @@ class Interconnection(Node):
             ∂function/∂quantity ``(*B, m, n)``. Without one, autograd differentiates; with one, a
             step is faster. A world model checks them against autograd when it is built.
     """
+
+    called = "Interconnection"
 
     def __init__(
         self,
@@ -130,15 +145,31 @@ class Interconnection(Node):
             GraphError: If it is no function.
         """
         _check_callable(function, called)
-        return function if isinstance(function, Interconnection) else cls(function)
+        if isinstance(function, Interconnection):
+            return function
+        relation = cls(function)
+        relation.called = called
+        return relation
 
     def forward(self, values: Values) -> Tensor:
-        """Evaluate the relation on the values that it reads."""
+        """Evaluate the relation on the values that it reads.
+
+        Raises:
+            GraphError: If it branches on a value while it is compiled.
+        """
         inputs = [values[name] for name in self.inputs]
-        if self._takes_one_batch:
-            batched: Tensor = _in_one_batch(self.function, inputs)
-            return batched
-        value: Tensor = self.function(*inputs)
+        try:
+            if self._takes_one_batch:
+                batched: Tensor = _in_one_batch(self.function, inputs)
+                return batched
+            value: Tensor = self.function(*inputs)
+        except RuntimeError as error:
+            if ASKS_FOR_A_VALUE not in str(error):
+                raise
+            raise GraphError(
+                f"{self.called}: {self.function!r} branches on the value of a tensor, which a "
+                "compiled step cannot; expected torch.where(condition, value, other)."
+            ) from error
         return value
 
     def components(self, values: Values, called: str) -> int:
@@ -270,17 +301,18 @@ class Affine(Interconnection):
         nn.Module.__init__(self)  # there is no function to wire
         self.jacobians = nn.ModuleDict()
 
+        if not matrices:
+            raise GraphError("Affine(): expected a matrix for a quantity, such as Affine(x=1.0).")
+
         # Matrices are buffers; numbers, and names of numbers, are multiples of the identity.
-        self.factors: dict[str, float] = {}
-        self.named_factors: dict[str, str] = {}
+        self.factors: dict[str, float | str] = {}
         for name, value in matrices.items():
             if isinstance(value, Tensor):
                 self.register_buffer(f"matrix_{name}", value.to(torch.float64))
-            elif isinstance(value, str):
-                self.named_factors[name] = value
             else:
-                self.factors[name] = value
-        self.inputs = (*matrices, *dict.fromkeys(self.named_factors.values()))
+                self.factors[name] = value if isinstance(value, str) else _factor(name, value)
+        named = [factor for factor in self.factors.values() if isinstance(factor, str)]
+        self.inputs = (*matrices, *dict.fromkeys(named))
         self._quantities = tuple(matrices)
 
     def forward(self, values: Values) -> Tensor:
@@ -307,7 +339,7 @@ class Affine(Interconnection):
             count = counts[name] = values[name].shape[-1]
 
             # A matrix takes as many as it has columns, and gives as many as it has rows.
-            if name not in self.factors and name not in self.named_factors:
+            if name not in self.factors:
                 shape = tuple(self._matrix(name, values).shape)
                 if len(shape) != 2 or shape[1] != count:
                     raise GraphError(
@@ -330,13 +362,13 @@ class Affine(Interconnection):
     def _term(self, name: str, values: Values) -> Tensor:
         """M x, ``(*B, m)``."""
         value = values[name]
-        if name in self.named_factors:
-            return values[self.named_factors[name]] * value
         if name not in self.factors:
             return (self._matrix(name, values) * value.unsqueeze(-2)).sum(-1)
 
         # Multiples of the identity need no matrix, and the most common ones no product.
         factor = self.factors[name]
+        if isinstance(factor, str):
+            return values[factor] * value
         if factor == 1:
             return value
         if factor == -1:
@@ -345,16 +377,15 @@ class Affine(Interconnection):
 
     def _matrix(self, name: str, values: Values) -> Tensor:
         """M, ``(m, n)``, or ``(*B, m, n)`` if it is a multiple that differs from row to row."""
-        if name not in self.factors and name not in self.named_factors:
+        if name not in self.factors:
             matrix: Tensor = getattr(self, f"matrix_{name}")
             return matrix
 
         # c I, or dt I: with a clock dt is (*B, 1), and the matrix (*B, n, n).
         like = values[name]
         identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
-        if name in self.factors:
-            return self.factors[name] * identity
-        return values[self.named_factors[name]].unsqueeze(-1) * identity
+        factor = self.factors[name]
+        return (values[factor].unsqueeze(-1) if isinstance(factor, str) else factor) * identity
 
 
 class Constant(Interconnection):
@@ -386,6 +417,16 @@ def copied(values: Values, *count: int) -> dict[str, Tensor]:
     for name, value in values.items():
         copies[name] = value.expand(*count, *value.shape) if value.dim() else value
     return copies
+
+
+def _factor(name: str, given: Any) -> float:
+    """A number that stands for a multiple of the identity."""
+    factor = as_number(given)
+    if not math.isfinite(factor):
+        raise GraphError(
+            f"Affine({name}={given!r}): expected a finite number, a matrix as a tensor, or 'dt'."
+        )
+    return factor
 
 
 def _check_callable(function: object, called: str) -> None:

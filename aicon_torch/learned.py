@@ -78,17 +78,23 @@ class Number(NamedTuple):
         """What it is now: a number or a tensor."""
         return getattr(self.owner, self.field)
 
-    def make_learn(self, start: Any, like: Tensor) -> None:
-        """Let it be computed from a parameter from now on."""
+    def make_learn(self, name: str, start: Any, like: Tensor) -> None:
+        """Let it be computed from a parameter from now on.
+
+        Args:
+            name: What an error calls it.
+            start: Where it starts; None where it is.
+            like: A tensor of the model's type.
+        """
         known = getattr(self.owner, LEARNED, {})
         value = torch.as_tensor(self.value, dtype=like.dtype, device=like.device)
         diagonal = len(value) if _is_covariance(self.owner, self.field) else None
         if diagonal is not None:  # one variance stays one
             value = value.diagonal()[: 1 if getattr(self.owner, "is_single", False) else None]
         if start is not None:
-            value = torch.as_tensor(start, dtype=like.dtype, device=like.device).expand_as(value)
+            value = _start(name, start, value)
         if diagonal is not None and not (value > 0).all():
-            raise GraphError(f"{self.field}: learned variances are > 0, got {value.tolist()}.")
+            raise GraphError(f"{name!r}: learned variances are > 0, got {value.tolist()}.")
 
         # The constant goes, and its owner gets a class of its own, in which the name is a property
         # that computes the number from θ: who reads it need not know, even in a frozen dataclass.
@@ -98,6 +104,20 @@ class Number(NamedTuple):
         self.owner.__dict__.pop(self.field, None)
         self.owner.__dict__[LEARNED] = learned
         object.__setattr__(self.owner, "__class__", _computing(type(self.owner), self.field))
+
+
+def _start(name: str, given: Any, like: Tensor) -> Tensor:
+    """Where a number starts, of the shape and type of another."""
+    try:
+        start = torch.as_tensor(given, dtype=like.dtype, device=like.device).expand_as(like)
+    except (TypeError, ValueError, RuntimeError):
+        start = torch.full_like(like, torch.nan)
+    if not start.isfinite().all():
+        raise GraphError(
+            f"start of {name!r}: expected finite numbers of shape {tuple(like.shape)}, or one for "
+            f"all, got {given!r}."
+        )
+    return start
 
 
 def _computing(kind: type, field: str) -> type:
@@ -200,7 +220,7 @@ def make_learn(
         if name in numbers:
             number = numbers[name]
             if number.field not in getattr(number.owner, LEARNED, {}) or start is not None:
-                number.make_learn(start, like)
+                number.make_learn(name, start, like)
             found[name] = getattr(number.owner, LEARNED)[number.field].theta
         elif below and start is None:
             for weight in below.values():

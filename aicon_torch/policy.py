@@ -22,7 +22,7 @@ from aicon_torch.control.memory import (
     starting_rows,
 )
 from aicon_torch.control.step import ControlStep
-from aicon_torch.differentiation import learns, through_time
+from aicon_torch.differentiation import learns, through_time, undisturbed
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.export.exported_policy import ExportedPolicy
@@ -116,8 +116,9 @@ class Policy(nn.Module):
                 the mechanism are constants of the step.
 
         Returns:
-            The action ``(*B, size)``, of the observation's kind (a dict of them if there are
-            several actuators), and the memory.
+            The action ``(*B, size)`` (a dict of them if there are several actuators), and the
+            memory. It is a tensor where this observation holds a tensor, whatever earlier ones
+            held, and a numpy array of float32 where it holds none, such as an empty one.
 
         Raises:
             ObservationError: If the key of a sensor that is not optional is missing, or a reading
@@ -129,18 +130,17 @@ class Policy(nn.Module):
             with through_time():
                 return readable.predict(observation, state, episode_start)
         native = None if self._native is None else self._native.of(self._step, self.perception)
-        if native is not None and self._earlier(state) is None:
+        if native is not None:
+            # The memory of a policy with less in it goes on by a readable step: it is but one.
+            if self._earlier(state) is not None:
+                return self._readable().predict(observation, state, episode_start)
             action, after = native.predict(observation, state, episode_start)
             return action, cast(Memory, after)  # it is read like one
 
-        # The memory of a policy with less in it goes on by a readable step: it is but one.
-        step = self._step
-        if native is not None:
-            step = ControlStep(self.model, self.backward_pass, self.law)
-
-        with torch.inference_mode(False):
-            memory, readings = self._begin(observation, state, episode_start)
-            commands, memory = step(readings, memory)
+        seen = self._perceived(observation, state, episode_start)
+        with undisturbed(self.model.like):
+            memory, readings = self._begin(seen, state, episode_start)
+            commands, memory = self._step(readings, memory)
 
         # An action is of the observation's kind, and alone where there is one actuator.
         takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
@@ -170,8 +170,9 @@ class Policy(nn.Module):
             OptionError: If there is no such actuator.
             ObservationError: If the action has another shape, or is not finite.
         """
-        with torch.inference_mode(False):
-            memory, readings = self._begin(observation, state, episode_start)
+        seen = self._perceived(observation, state, episode_start)
+        with undisturbed(self.model.like):
+            memory, readings = self._begin(seen, state, episode_start)
 
             # What somebody else did takes the place of the action in the memory.
             executed = self._checked_actions(action, tuple(memory[BEGINS].shape))
@@ -257,10 +258,9 @@ class Policy(nn.Module):
         """
         from aicon_torch.export.inductor import CompiledStep  # loads the compiler
 
-        compiled = Policy(self.model, self.resolution, self.law, self.perception)
+        compiled = self._readable()
         compiled._step = CompiledStep(compiled._step)
         compiled._native = NativeSteps()
-        compiled._made_of = self._made_of
         return compiled
 
     def with_goal(self, goal: Goal) -> "Policy":
@@ -325,7 +325,8 @@ class Policy(nn.Module):
         from aicon_torch.export.exporting import export  # loads the translation to C
 
         step = ControlStep(self.model, self.backward_pass, self.law)
-        export(step, path, description, self.perception is not None, target)
+        with undisturbed(self.model.like):
+            export(step, path, description, self.perception is not None, target)
 
     def is_exported(self, exported: ExportedPolicy) -> bool:
         """Whether an exported policy has this one's parameters, as they are now."""
@@ -380,7 +381,8 @@ class Policy(nn.Module):
         Raises:
             ObservationError: If it is no memory of this policy.
         """
-        return trace(self.backward_pass, self._own(memory))
+        with undisturbed(self.model.like):
+            return trace(self.backward_pass, self._own(memory))
 
     def explain(self, memory: Memory, row: int | tuple[int, ...] = ()) -> Explanation:
         """What the step that returned this memory decided, in numbers to read.
@@ -393,7 +395,8 @@ class Policy(nn.Module):
             ObservationError: If it is no memory of this policy.
             ValueError: If there is no such row.
         """
-        return explain(self.backward_pass, self._own(memory), row)
+        with undisturbed(self.model.like):
+            return explain(self.backward_pass, self._own(memory), row)
 
     def _begin(
         self,
@@ -402,8 +405,6 @@ class Policy(nn.Module):
         episode_start: ArrayLike | Tensor | None,
     ) -> tuple[Memory, dict[str, Tensor]]:
         """The memory with the rows that start anew, and the new readings."""
-        if self.perception is not None:
-            observation = self._perceive(self.perception, observation, state, episode_start)
         model = self.model
         readings = read(observation, model.sensors, model.actuators, model.like)
         batch = tuple(readings[next(iter(model.sensors))].shape[:-1])
@@ -471,25 +472,25 @@ class Policy(nn.Module):
                 lacks = lacks | ~readings[name].isfinite().all(-1)
         return grown(state, fresh, lacks)
 
-    def _perceive(
+    def _perceived(
         self,
-        perception: Perception,
         observation: Mapping[str, Any],
         state: Memory | None,
         episode_start: ArrayLike | Tensor | None,
     ) -> Mapping[str, Any]:
         """The observation with what the perception makes of it."""
+        if self.perception is None:
+            return observation
         if state is None:
-            return perception(observation, None, None)
-
-        state = self._known(state)
+            return self.perception(observation, None, None)
 
         # The memory of a policy that this one was made of lacks what is new.
-        known = [name for name in self.model.quantities if name in state]
-        values = {name: state[name] for name in known}
-        batch = tuple(values[next(iter(self.model.actuators))].shape[:-1])
+        known = self._known(state)
+        values = {name: known[name] for name in self.model.quantities if name in known}
+        batch = tuple(known[BEGINS].shape)
         starts = starting_rows(episode_start, batch, self.model.like.device)
-        return perception(observation, values, None if starts is None else starts.numpy(force=True))
+        flags = None if starts is None else starts.numpy(force=True)
+        return self.perception(observation, values, flags)
 
     def _checked_actions(self, actions: Any, batch: tuple[int, ...]) -> dict[str, Tensor]:
         """What somebody else did, ``(*B, size)``, of the model's type."""

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from aicon_torch.dampers import VelocityDampers
 from aicon_torch.errors import GraphError
-from aicon_torch.validation import check_instance
+from aicon_torch.validation import check_flags, check_instance
 
 PRESENT = ".present"
 """Suffix of the flag ``(*B,)`` that says whether a sensor has a reading in this step."""
@@ -62,10 +62,10 @@ class Quantity:
 class Sensor:
     """A reading of shape ``(*B, size)`` that the observation brings.
 
-    A reading that is masked, not finite, or that the instrument cannot have meant, is none: the
-    estimators predict, and correct again when the next one comes. A function that reads the sensor
-    directly gets the last reading again. Each row of a batch misses its readings alone, and counts
-    them.
+    A reading counts as missing if it is masked, not finite, or cannot be what the instrument meant.
+    Estimators then predict, and correct again when the next one comes. A function that reads the
+    sensor directly gets the last reading again. Each row of a batch misses its readings alone, and
+    counts them.
 
     Args:
         size: Number of components.
@@ -73,27 +73,27 @@ class Sensor:
         key: The observation's key; by default the sensor's name in the graph.
         optional: Whether the key may be missing, and an episode begin without a reading. (An
             estimate that starts at a reading waits for it in any case.)
-        range: Lowest and highest value that the instrument can report; beyond, there is no reading.
+        range: Lowest and highest value that the instrument can report; any other is missing.
         scale: Factor from the observation's unit to the graph's, one for all components or one
             each: a sensor that reports px in a graph of metres has the size of a px here.
         age: How old a reading is where the observation does not tell, s.
         age_key: The observation's key of the reading's age, ``(*B,)`` or ``(*B, 1)``, s: now minus
-            its time stamp. A reading that is not newer than the last one is none.
+            its time stamp. One that is not newer than the last counts as missing.
         max_age: Age of the last reading beyond which actions decay, to rest at twice this age, s;
             None for a sensor that nobody watches.
-        max_gap: Time in which no reading comes beyond which actions decay, to rest at twice this
-            time, s: for readings that are old when they come, and none the newer for it. One that
-            is older than the last counts where it is plausible; the same one again does not.
-        rate_limit: How fast a component can change, in the observation's unit per second: a reading
-            that has jumped farther since the last one is none. The longer there is none, the
+        max_gap: Time without any reading beyond which actions decay, to rest at twice this time, s:
+            for readings that are old when they come. One that is older than the last ends the gap
+            if it is plausible; the same one again does not.
+        rate_limit: How fast a component can change, in the observation's unit per second. A reading
+            that has jumped farther since the last one counts as missing; the longer none comes, the
             farther it may be. Four in a row that agree with each other are believed wherever they
             are, and estimates of what they measure begin anew.
         period: Of a reading that wraps, in the observation's unit, such as 2π of an angle in rad.
         is_possible: A function of a reading ``(*B, size)``, in the graph's unit, that says which
-            rows ``(*B,)`` can be, such as those of points of a rigid body; others are none.
-        driven_by: An actuator whose motion the reading must show: one that stays the same to the
-            last bit while that acts, but for the ends of its range, is frozen, and none until it
-            changes; with a ``rate_limit`` until four in a row agree.
+            rows ``(*B,)`` can be, such as those of points of a rigid body; others are missing.
+        driven_by: An actuator whose motion the reading must show. A reading that stays the same to
+            the last bit while it acts, except at the ends of its range, is frozen, and missing
+            until it changes; with a ``rate_limit`` until four in a row agree.
     """
 
     size: int
@@ -113,6 +113,7 @@ class Sensor:
 
     def __post_init__(self) -> None:
         """Check size, range, scale and times, and keep them as plain numbers."""
+        check_flags(self)
         object.__setattr__(self, "size", as_size("Sensor", self.size))
         object.__setattr__(self, "range", _range("Sensor range", self.range))
 
@@ -171,7 +172,8 @@ class Actuator:
             quantities, wired by their parameter names, that return an action that is allowed,
             ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
-            function wired likewise.
+            function wired likewise. While ``memory["begins"]`` is set, it may be made of readings
+            that never came, such as a place to go to: send none then.
         command_range: Lowest and highest number of a command, to which others are clipped, the last
             one that the memory holds, too, which is sent again at rest; None for any.
         key: The observation's key of the action that the robot executed in the last step, if that
@@ -204,6 +206,7 @@ class Actuator:
 
     def __post_init__(self) -> None:
         """Check limit, constraints and the range of commands; numbers become plain ones."""
+        check_flags(self)
         object.__setattr__(self, "size", as_size("Actuator", self.size))
 
         # One number for the norm, or one a component.

@@ -1,8 +1,11 @@
 """Checks of options, with errors that name the option and say what it takes."""
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from aicon_torch.errors import OptionError, choices
 
@@ -102,7 +105,7 @@ def check_function(options: object, names: Sequence[str], called: str) -> None:
         OptionError: If one cannot.
     """
     for name in names:
-        value = getattr(options, name)
+        value = getattr(options, name, None)
         if not callable(value):
             raise OptionError(f"{name}={value!r}: expected a function, {name}{called}.")
 
@@ -118,6 +121,27 @@ def check_whole(options: object, names: Sequence[str]) -> None:
         is_whole = type(value) is int and value > 0
         if value is not None and not is_whole:
             raise OptionError(f"{name}={value!r}: expected a whole number > 0, or None.")
+
+
+def check_flags(options: Any) -> None:
+    """Check that the fields of a dataclass that are flags are True or False, and no words.
+
+    Raises:
+        OptionError: If one is something else.
+    """
+    for field in dataclasses.fields(options):
+        if field.type is bool:
+            check_flag(field.name, getattr(options, field.name))
+
+
+def check_flag(name: str, value: Any) -> None:
+    """Check that an option is True or False: ``"no"`` would count as True.
+
+    Raises:
+        OptionError: If it is something else.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise OptionError(f"{name}={value!r}: expected True or False.")
 
 
 def check_choice(options: object, name: str, valid: Sequence[str]) -> None:

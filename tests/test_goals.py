@@ -1,10 +1,13 @@
 """Goals: costs with a tolerance, and the gaps of those that nothing may violate."""
 
+from pathlib import Path
+
 import pytest
 import torch
+from _inputs.tracking import near, tracking_model
 from torch import Tensor
 
-from aicon_torch import Goal, GraphError
+from aicon_torch import Actuator, DirectDescent, Goal, GraphError, Policy, Sum
 from aicon_torch.parts import JointLimits, SquaredHinge
 
 
@@ -39,3 +42,17 @@ def test_a_part_that_knows_its_gaps_says_them() -> None:
 def test_a_tolerance_below_zero_is_refused() -> None:
     with pytest.raises(GraphError, match="Goal 'reach': tolerance=-1; expected a number >= 0"):
         Goal("reach", distance, tolerance=-1)
+
+
+def at_best_half(p: Tensor) -> Tensor:
+    """A cost that branches, which torch does not allow of what is compiled."""
+    return near(p) if near(p).max() > 0.5 else 0.5 * near(p)
+
+
+def test_a_cost_that_branches_is_named_where_it_is_compiled(tmp_path: Path) -> None:
+    actuators = {"a": Actuator(2, "m/s", limit=1.0)}
+    model = tracking_model(goals=[Goal("half", at_best_half)], actuators=actuators)
+    policy = Policy(model, Sum(), DirectDescent())
+    policy.predict({"z": torch.ones(2)})
+    with pytest.raises(GraphError, match=r"Goal 'half': .*at_best_half.* torch\.where"):
+        policy.export(tmp_path / "half.c")

@@ -3,9 +3,11 @@
 Wired by names, differentiated by autograd or by given Jacobians, explicit and implicit.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from _inputs import BATCHES, normal
@@ -193,3 +195,17 @@ def test_a_multiple_may_be_the_time_step(dt: Any) -> None:
         _, given = motion.linearize(values, name, 3)
         _, expected = motion.differentiate(values, name, 3, differentiable=False)
         torch.testing.assert_close(given.expand_as(expected), expected)
+
+
+@pytest.mark.parametrize("function", [torch.add, max, int])
+def test_a_function_that_does_not_say_what_it_takes_is_wired_by_names(function: Any) -> None:
+    with pytest.raises(GraphError, match=r"expected Interconnection\(function, inputs="):
+        Interconnection(function)
+
+
+@pytest.mark.parametrize("factor", [None, [[1.0]], np.eye(2), math.nan, True], ids=str)
+def test_what_is_no_factor_of_a_linear_relation_is_named(factor: Any) -> None:
+    with pytest.raises(GraphError, match=r"(?s)Affine\(x=.*: expected a finite number, a matrix"):
+        Affine(x=factor)
+    with pytest.raises(GraphError, match=r"Affine\(\): expected"):
+        Affine()

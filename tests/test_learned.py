@@ -1,7 +1,9 @@
 """What learns is chosen by name, stays what it must be, and has an effect."""
 
 import copy
+import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
@@ -62,6 +64,16 @@ def test_what_is_positive_stays_positive() -> None:
 def test_a_name_without_a_number_or_an_effect_is_an_error(name: str, message: str) -> None:
     with pytest.raises(GraphError, match=message):
         pusher().learn(name)
+
+
+@pytest.mark.parametrize("start", ["a", math.nan, math.inf, [1.0, 2.0, 3.0], -1.0])
+def test_a_start_that_is_none_is_named(start: Any) -> None:
+    with pytest.raises(GraphError, match="'p.noise'"):
+        tracking_model().learn(start={"p.noise": start})
+    with pytest.raises(GraphError, match="start=3: expected numbers by name"):
+        tracking_model().learn(start=3)  # type: ignore[arg-type]
+    with pytest.raises(GraphError, match="learn: expected the name of a number: .*'p.noise'"):
+        tracking_model().learn()
 
 
 def test_a_state_is_loaded_strictly() -> None:

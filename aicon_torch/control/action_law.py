@@ -5,7 +5,6 @@ from typing import Protocol, runtime_checkable
 import torch
 from torch import Tensor
 
-from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
 
 
@@ -15,12 +14,6 @@ class ActionLaw(Protocol):
 
     A control step calls it so: the descent begins at :meth:`start`, :meth:`descend` takes one
     gradient after the other, and :meth:`finish` makes an action of what came out.
-
-    Attributes:
-        iterations: K, the number of gradients in a control step.
-        foresees: Whether each gradient is taken where the model foresees that the descent so far
-            leads, or at the estimates as they are.
-        horizon: How far ahead that is, s; None for one control step.
     """
 
     @property
@@ -30,7 +23,10 @@ class ActionLaw(Protocol):
 
     @property
     def foresees(self) -> bool:
-        """Whether gradients are taken at the state that the model foresees."""
+        """Whether each gradient is taken where the model foresees that the descent so far leads.
+
+        Otherwise all are taken at the estimates as they are.
+        """
         ...
 
     @property
@@ -93,13 +89,3 @@ def low_pass(
     if smoothing == 0:
         return action
     return actuator.clip(torch.lerp(last, action, dt / (dt + smoothing)))
-
-
-def check_smoothing(smoothing: float) -> None:
-    """Check a time constant.
-
-    Raises:
-        OptionError: If it is negative.
-    """
-    if not smoothing >= 0:
-        raise OptionError(f"smoothing={smoothing!r}: expected a time >= 0 (s).")

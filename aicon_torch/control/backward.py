@@ -81,9 +81,9 @@ class BackwardPass:
             memory[f"{name}/gradient"] = torch.zeros(actuator.size)
         return memory
 
-    def remembered_at(self, name: str) -> tuple[str, ...]:
+    def recall(self, name: str, memory: Mapping[str, Tensor]) -> Memory:
         """What is remembered of a quantity, by the keys that follow its name and a slash."""
-        return self._remembered[name]
+        return {key: memory[f"{name}/{key}"] for key in self._remembered[name]}
 
     def __call__(
         self,
@@ -111,7 +111,7 @@ class BackwardPass:
             if name in self._resolving:
                 # What met is remembered as well, to be explained afterwards.
                 stack = self._stack(name, arrived[name], values, memory)
-                resolved, remembered = self.resolution(stack, self._recall(name, memory))
+                resolved, remembered = self.resolution(stack, self.recall(name, memory))
                 for key, value in (*remembered.items(), ("gradients", stack.gradients)):
                     new_memory[f"{name}/{key}"] = value
                 return [resolved.reshape(values[name].shape)]
@@ -160,9 +160,6 @@ class BackwardPass:
         count, size = len(self.paths[name]), self.model.quantities[name].size
         gradients = torch.zeros(count, size)
         return {**self.resolution.initial(count, size), "gradients": gradients}
-
-    def _recall(self, name: str, memory: Mapping[str, Tensor]) -> Memory:
-        return {key: memory[f"{name}/{key}"] for key in self._remembered[name]}
 
     def _row_by_row(self, name: str, arrived: Sequence[Tensor]) -> list[Tensor]:
         """The gradients ``(*B, *shape)`` one by one, those that came row by row taken apart."""

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from aicon_torch.control.action_law import check_smoothing, low_pass
-from aicon_torch.errors import OptionError
+from aicon_torch.control.action_law import low_pass
 from aicon_torch.quantities import Actuator
+from aicon_torch.validation import check_flags, check_not_negative, check_positive
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class DirectDescent:
 
     def __post_init__(self) -> None:
         """Check the constants."""
-        if not self.gain > 0:
-            raise OptionError(f"gain={self.gain!r}: expected a number > 0.")
-        check_smoothing(self.smoothing)
+        check_positive(self, ("gain",))
+        check_not_negative(self, ("smoothing",))
+        check_flags(self)
 
     @classmethod
     def as_in_paper(cls, gain: float) -> "DirectDescent":

@@ -1,14 +1,14 @@
 """Foresight: the action descends the potential that the model foresees, before it is executed."""
 
-import math
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from aicon_torch.control.action_law import check_smoothing, low_pass
+from aicon_torch.control.action_law import low_pass
 from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
+from aicon_torch.validation import check_count, check_not_negative, check_positive
 
 PRIME = 4093
 """p, after how many steps the dither repeats itself."""
@@ -62,17 +62,11 @@ class Foresight:
 
     def __post_init__(self) -> None:
         """Check the constants."""
-        if not (type(self.iterations) is int and self.iterations >= 1):
-            raise OptionError(f"iterations={self.iterations!r}: expected a number >= 1.")
-        if not 0 < self.step < math.inf:
-            raise OptionError(f"step={self.step!r}: expected a share > 0 of the actuator's limit.")
-        check_smoothing(self.smoothing)
-        if self.horizon is not None and not 0 < self.horizon < math.inf:
-            raise OptionError(f"horizon={self.horizon!r}: expected a time > 0 (s), or None.")
-        if not 0 <= self.dither <= 1:
+        check_count(self, ("iterations", "dither_steps"), least=1)
+        check_positive(self, ("step",) if self.horizon is None else ("step", "horizon"))
+        check_not_negative(self, ("smoothing", "dither"))
+        if self.dither > 1:
             raise OptionError(f"dither={self.dither!r}: expected a share of the limit, 0 to 1.")
-        if not (type(self.dither_steps) is int and self.dither_steps >= 1):
-            raise OptionError(f"dither_steps={self.dither_steps!r}: expected a number >= 1.")
 
     def check(self, name: str, actuator: Actuator) -> None:
         """Its steps are shares of the actuator's limit, so there must be one."""

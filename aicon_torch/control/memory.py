@@ -164,7 +164,7 @@ def checked_memory(
 
     # ... and, for each name, a tensor as large as the observation's batch.
     checked: Memory = {}
-    told_by = "the observation"
+    told_by = "the observation" if batch else "an observation of one robot, or of no reading,"
     for key, shape in shapes.items():
         value = _checked_type(key, memory[key], integers.get(key))
         own = tuple(value.shape[: value.dim() - len(shape)])

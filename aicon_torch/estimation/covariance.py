@@ -7,6 +7,7 @@ from torch import Tensor
 
 from aicon_torch.errors import GraphError
 from aicon_torch.interconnections import Interconnection, Node, Values
+from aicon_torch.quantities import as_numbers
 
 Noise = float | Sequence[float] | Callable[..., Tensor]
 """A variance, one a component, or a function of quantities that returns variances ``(*B, n)``."""
@@ -37,9 +38,9 @@ class Covariance(Node):
             return
 
         self.relation, self.inputs = None, ()
-        variances = torch.as_tensor(noise, dtype=torch.float64)
+        variances = torch.tensor(as_numbers(noise), dtype=torch.float64)
         has_right_size = variances.dim() == 0 or variances.shape == (size,)
-        if not has_right_size or not (variances >= 0).all():
+        if not has_right_size or not ((variances >= 0) & variances.isfinite()).all():
             raise GraphError(
                 f"{named}={noise!r}: expected one variance >= 0 or {size}, one a component."
             )

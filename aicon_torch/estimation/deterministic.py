@@ -8,6 +8,7 @@ from aicon_torch.differentiation import values_only
 from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.interconnections import Affine, Interconnection, Values
+from aicon_torch.validation import check_flag
 
 
 class Deterministic(Estimator):
@@ -38,6 +39,7 @@ class Deterministic(Estimator):
         each: Sequence[str] = (),
     ) -> None:
         super().__init__()
+        check_flag(f"Deterministic {name!r}: is_motion", is_motion)
         self.relation = Interconnection.of(function, f"Deterministic {name!r}")
         self.outputs = (name,)
         self.inputs = self.relation.inputs

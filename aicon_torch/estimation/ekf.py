@@ -16,6 +16,7 @@ from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.estimation.measurement import Innovation, Measurement, in_turn
 from aicon_torch.interconnections import Affine, Interconnection, Values
 from aicon_torch.quantities import RESTART, as_numbers, as_size
+from aicon_torch.validation import check_flag
 
 Derivative = Literal["model", "update", "detached_gain"]
 """Which derivative the anticipated mean has: see :class:`EKF`."""
@@ -70,6 +71,7 @@ class EKF(Estimator):
         is_motion: bool = False,
     ) -> None:
         super().__init__()
+        check_flag(f"{mean!r}: is_motion", is_motion)
         self.is_motion = is_motion
         self.mean, self.covariance = mean, covariance
         self.outputs = (mean, covariance)
@@ -212,23 +214,23 @@ class EKF(Estimator):
             return as_size(repr(self.mean), size)
 
         # ... and numbers are kept with the module, to move between devices with it.
-        self._check_constants(initial)
-        mean, variances = initial
+        mean, variances = self._constants(initial)
         covariance = Covariance(variances, len(mean), named="variances of initial")
         self.prior, self.prior_inputs = None, ()
-        self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
+        self.register_buffer("prior_mean", torch.tensor(mean, dtype=torch.float64))
         self.register_buffer("prior_covariance", covariance.constant)
         return len(mean)
 
-    def _check_constants(self, initial: Any) -> None:
-        """A prior of numbers has a mean of at least one component, and its variances."""
+    def _constants(self, initial: Any) -> tuple[tuple[float, ...], Any]:
+        """A prior of numbers: a mean of at least one component, and its variances."""
         is_pair = isinstance(initial, Sequence) and len(initial) == 2
         mean = as_numbers(initial[0]) if is_pair else math.nan
-        if not isinstance(mean, tuple) or not mean:
+        if not isinstance(mean, tuple) or not mean or not all(map(math.isfinite, mean)):
             raise GraphError(
                 f"initial of {self.mean!r}: expected (mean, variances), such as ((1.0, 0.0), 9.0), "
                 f"or a function, got {initial!r}."
             )
+        return mean, initial[1]
 
     def _prior_belief(self, values: Values) -> tuple[Tensor, Tensor]:
         """What is believed before the first step."""

@@ -58,6 +58,8 @@ class LateEKF(EKF):
         if self.steps < 0:
             raise GraphError(f"steps={steps!r} of {mean!r}: expected a number of steps >= 0.")
         what = f"moved_by of {mean!r}:"
+        if not isinstance(moved_by, Mapping):
+            raise GraphError(f"{what} expected sizes by name, such as {{'x_rob': 2}}.")
         self.moved_by = {name: as_size(f"{what} {name!r}", n) for name, n in moved_by.items()}
         self._prompt = in_turn(f"prompt of {mean!r}", prompt)
         self.prompt = nn.ModuleList(self._prompt)  # registers them

@@ -1,6 +1,5 @@
 """Implicit measurements: what relates an estimate to a reading."""
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
@@ -68,8 +67,8 @@ class Measurement(nn.Module):
         self.noise = Covariance(noise, self.size)
         self.uncertain = dict(uncertain or {})
         self.gate = None if gate is None else as_number(gate)
-        if self.gate is not None and math.isnan(self.gate):
-            raise GraphError(f"Measurement gate={gate!r}: expected a number, or None.")
+        if self.gate is not None and not self.gate > 0:
+            raise GraphError(f"Measurement gate={gate!r}: expected a number > 0, or None.")
 
         # What the residual does not read cannot add to its noise.
         for name in self.uncertain:

@@ -7,6 +7,7 @@ from typing import Any
 import torch
 
 from aicon_torch.control.step import ControlStep
+from aicon_torch.differentiation import undisturbed
 from aicon_torch.errors import OptionError
 from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.readings.perception import Perception
@@ -60,7 +61,7 @@ class NativeSteps:
         # The step as it is written; the one that is given may be compiled by TorchInductor.
         plain = ControlStep(step.model, step.backward, step.law)
         try:
-            with torch.inference_mode(False):  # gradients are traced
+            with undisturbed(step.model.like):  # gradients are traced
                 library = compiled_library(plain, perceives=perception is not None)
         except Exception as error:  # noqa: BLE001  # it runs otherwise, or says there why it cannot
             _LOGGER.warning(

@@ -17,6 +17,9 @@ from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
 
+TAKEN = ("dt", "begins", "steps")
+"""Names that a step gives to something else: see ``docs/memory.md``."""
+
 UNREADY = (nn.modules.batchnorm._BatchNorm, nn.modules.dropout._DropoutNd)
 """Layers of networks that are something else in training."""
 
@@ -46,10 +49,10 @@ def check_names(
                 f"{name!r} is declared {declared.count(name)} times; each name stands for one "
                 "thing."
             )
-        if name == "dt" or "/" in name or "." in name:
+        if name in TAKEN or "/" in name or "." in name:
             raise GraphError(
-                f"{name!r} is taken: 'dt' is the time step, and '/' and '.' mark what is "
-                "remembered."
+                f"{name!r} is taken: 'dt' is the time step, 'begins' and 'steps' are remembered of "
+                "an episode, and '/' and '.' mark what is remembered besides."
             )
         if name == "":
             raise GraphError("A part of the graph is called '': expected a name.")
@@ -283,12 +286,13 @@ def named_errors(node: Estimator | Goal, values: Values) -> Iterator[None]:
         yield
     except GraphError:
         raise
-    except NotImplementedError as error:
-        raise GraphError(
-            f"{type(node).__name__} of {names_of(node)[0]!r} lacks one of the methods initial, "
-            "update and forward."
-        ) from error
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
+        if isinstance(error, NotImplementedError) and not error.args:  # an Estimator's own
+            raise GraphError(
+                f"{type(node).__name__} of {names_of(node)[0]!r} lacks one of the methods initial, "
+                "update and forward."
+            ) from error
+
         # Where torch names two precisions, it is not the shapes that do not fit.
         precisions = {word.lower() for word in PRECISIONS.findall(str(error))}
         advice = f". {other_precision(_precision(values))}" if len(precisions) > 1 else ""

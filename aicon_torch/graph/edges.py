@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
-from aicon_torch.graph.checks import names_of
+from aicon_torch.graph.checks import named_errors, names_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.paths import Edge
 
@@ -56,7 +56,8 @@ def _differentiable_sources(
     # On fresh leaves autograd itself tells by which of them the output can be differentiated.
     leaves = {source: values[source].detach().clone().requires_grad_() for source in sources}
     inputs = {**values, **leaves}
-    output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
+    with named_errors(node, inputs):
+        output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
     if not leaves or not output.requires_grad:
         return []
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -14,7 +14,7 @@ from aicon_torch.estimation import Innovation
 from aicon_torch.graph.build import Graph
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.values import initial_values
-from aicon_torch.quantities import AGE, RESTART
+from aicon_torch.quantities import AGE, RESTART, as_count
 from aicon_torch.readings.validation import BEGINS, MeasurementValidation
 
 Named = Mapping[str, Tensor]
@@ -105,6 +105,8 @@ class LogFilter(NamedTuple):
 
     def __call__(self, readings: Named, actions: Named, truncate: int | None) -> Filtered:
         """See :meth:`aicon_torch.WorldModel.filter`."""
+        if truncate is not None and as_count(truncate) < 1:
+            raise ObservationError(f"truncate={truncate!r}: expected 1 or more steps, or None.")
         seen, executed, batch = self._checked(readings, actions)
         estimates: dict[str, list[Tensor]] = {name: [] for name in self.graph.owners}
         told: dict[str, list[tuple[Innovation, Tensor]]] = {}
@@ -149,7 +151,8 @@ class LogFilter(NamedTuple):
     ) -> tuple[list[dict[str, Tensor]], list[dict[str, Tensor]], tuple[int, ...]]:
         """Readings and actions of each step, and the batch."""
         self._check_all_named(readings, actions)
-        leading = tuple(torch.as_tensor(next(iter(readings.values()))).shape[:-1])
+        first = next(name for name in self.declaration.sensors if name in readings)
+        leading = tuple(_tensor(first, readings[first]).shape[:-1])
         seen = self._seen(readings, leading)
         executed = self._executed(actions, leading)
 
@@ -170,6 +173,8 @@ class LogFilter(NamedTuple):
         for name in (*needed, *actuators):
             if name not in readings and name not in actions:
                 raise ObservationError(f"filter: {name!r} is missing, (*batch, steps, size).")
+        if not any(name in readings for name in sensors):
+            raise ObservationError(f"readings: expected a series of one of {choices(sensors)}.")
 
     def _seen(self, readings: Named, leading: tuple[int, ...]) -> dict[str, Tensor]:
         """The series of all sensors, ``(*B, T, size)``, and of their ages, ``(*B, T)``."""
@@ -177,8 +182,13 @@ class LogFilter(NamedTuple):
         for name, sensor in self.declaration.sensors.items():
             seen[name] = self._of_shape(name, readings.get(name), (*leading, sensor.size))
             if sensor.is_aged:
-                age = torch.as_tensor(readings.get(name + AGE, sensor.age))
-                seen[name + AGE] = age.to(self.like).expand(leading)
+                age = _tensor(name + AGE, readings.get(name + AGE, sensor.age)).to(self.like)
+                if tuple(age.shape) not in ((), leading):
+                    raise ObservationError(
+                        f"{name + AGE!r}: expected (*batch, steps), here {leading}, got "
+                        f"{tuple(age.shape)}."
+                    )
+                seen[name + AGE] = age.expand(leading)
         return seen
 
     def _executed(self, actions: Named, leading: tuple[int, ...]) -> dict[str, Tensor]:
@@ -194,7 +204,7 @@ class LogFilter(NamedTuple):
         """A series of the model's type; NaN where none is given."""
         if given is None:
             return self.like.new_full(shape, torch.nan)
-        series = torch.as_tensor(given).to(self.like)
+        series = _tensor(name, given).to(self.like)
         if tuple(series.shape) != shape or len(shape) < 2 or not shape[-2]:
             raise ObservationError(
                 f"{name!r}: expected (*batch, steps, size), here {shape}, got "
@@ -294,6 +304,16 @@ def _check_names(kind: str, given: Named, known: tuple[str, ...]) -> None:
     for name in given:
         if name not in known:
             raise ObservationError(f"{kind}: there is no {name!r}. Known: {choices(known)}.")
+
+
+def _tensor(name: str, given: Any) -> Tensor:
+    """A series as a tensor."""
+    try:
+        return torch.as_tensor(given)
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise ObservationError(
+            f"{name!r}: expected numbers (*batch, steps, size); {error}."
+        ) from error
 
 
 def _by_step(series: Named, leading: tuple[int, ...]) -> list[dict[str, Tensor]]:

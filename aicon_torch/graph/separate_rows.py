@@ -40,7 +40,7 @@ def check_rows_stand_alone(
                     f"{name} mixes the rows of a batch: of the same inputs it has "
                     f"{float(numbers[worst]):.4g} beside other rows where it has "
                     f"{float(others[worst]):.4g} alone. Functions must leave leading dimensions "
-                    "free: mean(-1, keepdim=True), not mean(0)."
+                    "free, mean(-1, keepdim=True), not mean(0), and what they read as it is."
                 )
 
 

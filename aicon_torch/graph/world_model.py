@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.differentiation import hop_from, values_only
-from aicon_torch.errors import GraphError
+from aicon_torch.differentiation import hop_from, undisturbed, values_only
+from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
@@ -18,11 +18,12 @@ from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
 from aicon_torch.graph.information import Information, information
-from aicon_torch.graph.paths import Edge, PathTable
+from aicon_torch.graph.paths import PathTable
 from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
 from aicon_torch.learned import learned_in, make_learn, numbers_of
-from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.quantities import Actuator, Sensor
+from aicon_torch.readings.sensor_validation import NEVER
 from aicon_torch.shaping import straight_through
 
 
@@ -65,6 +66,15 @@ class WorldModel(nn.Module):
         dtype: Precision of all values; by default torch's default. They are on the CPU, whatever
             device is torch's default, until the model is moved.
 
+    Attributes:
+        declaration: The parts as they were declared.
+        graph: What runs in which order, and along which edges gradients travel.
+        estimators: The estimators in the order in which they run.
+        owners: The estimator of each estimate.
+        quantities: Sensors, actuators and estimates, with their shapes.
+        edges: For each quantity and goal on a path, the quantities that its gradient goes on to.
+        like: A scalar of the model's dtype on its device.
+
     Raises:
         GraphError: If a name is unknown or given twice, a shape does not fit, a function does not
             let the leading dimensions free or mixes the rows of a batch, functions define each
@@ -72,7 +82,7 @@ class WorldModel(nn.Module):
             :func:`torch.inference_mode`.
     """
 
-    _like: Tensor
+    like: Tensor
 
     def __init__(
         self,
@@ -87,80 +97,34 @@ class WorldModel(nn.Module):
     ) -> None:
         super().__init__()
         is_type = isinstance(dtype, torch.dtype) and dtype.is_floating_point
-        if dtype is not None and not is_type:
+        if dtype is not None and not (is_type and torch.finfo(dtype).max > NEVER):
             raise GraphError(
-                f"dtype={dtype!r}: expected a floating-point type such as torch.float64."
+                f"dtype={dtype!r}: expected a floating-point type such as torch.float64, with "
+                f"numbers up to {NEVER:g}."
             )
         if torch.is_inference_mode_enabled():
             raise GraphError(
                 "A model is differentiated when it is built, which torch.inference_mode() does not "
                 "allow: build it before."
             )
-        self.declaration = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
+        declared = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
+        self.declaration, self.dt, self.clock = declared, declared.dt, declared.clock
+        self.sensors, self.actuators = declared.sensors, declared.actuators
+        self.goals = declared.goals
 
         # The parts become the model's own, with its precision.
         self._parts = nn.ModuleList([*estimators, *goals])
-        for name in self.declaration.actuators:
-            self._parts.extend(self.declaration.functions_of(name))
-        self.register_buffer(
-            "_like", torch.zeros((), device="cpu"), persistent=False
-        )  # tells dtype and device
+        for name in self.actuators:
+            self._parts.extend(declared.functions_of(name))
+        self.register_buffer("like", torch.zeros((), device="cpu"), persistent=False)
         self.to("cpu", dtype or torch.get_default_dtype())
 
         # Its edges are found by differentiating it.
-        with torch.enable_grad():
-            self.graph = build_graph(self.declaration, self.like)
+        with undisturbed(self.like), torch.enable_grad():
+            self.graph = build_graph(declared, self.like)
+        self.estimators, self.owners = self.graph.estimators, self.graph.owners
+        self.quantities, self.edges = self.graph.quantities, self.graph.edges
         self._register_learned()
-
-    @property
-    def sensors(self) -> dict[str, Sensor]:
-        """Readings by name."""
-        return self.declaration.sensors
-
-    @property
-    def actuators(self) -> dict[str, Actuator]:
-        """Commands by name."""
-        return self.declaration.actuators
-
-    @property
-    def goals(self) -> dict[str, Goal]:
-        """The goals by name."""
-        return self.declaration.goals
-
-    @property
-    def estimators(self) -> tuple[Estimator, ...]:
-        """The estimators in the order in which they run."""
-        return self.graph.estimators
-
-    @property
-    def owners(self) -> dict[str, Estimator]:
-        """The estimator of each estimate."""
-        return self.graph.owners
-
-    @property
-    def quantities(self) -> dict[str, Quantity]:
-        """Sensors, actuators and estimates, with their shapes."""
-        return self.graph.quantities
-
-    @property
-    def edges(self) -> dict[str, tuple[Edge, ...]]:
-        """For each quantity and goal on a path, the quantities that its gradient goes on to."""
-        return self.graph.edges
-
-    @property
-    def dt(self) -> float:
-        """Time step, s."""
-        return self.declaration.dt
-
-    @property
-    def clock(self) -> str | None:
-        """The sensor that tells how long the last step took."""
-        return self.declaration.clock
-
-    @property
-    def like(self) -> Tensor:
-        """A scalar of the model's dtype on its device."""
-        return self._like
 
     def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "WorldModel":
         """This model with an estimator more, and the sensors that it reads.
@@ -198,12 +162,10 @@ class WorldModel(nn.Module):
         sensors: Mapping[str, Sensor] | None = None,
     ) -> "WorldModel":
         """This model with more in it, on the same device."""
-        # What is new comes to the device of what is there.
         check_kinds({}, {}, estimators, goals)
-        for part in (*estimators, *goals):
-            part.to(self.like.device)
-        with self.like.device:
-            return WorldModel(
+        device = self.like.device
+        try:
+            grown = WorldModel(
                 sensors={**self.sensors, **(sensors or {})},
                 actuators=self.actuators,
                 estimators=[*self.declaration.estimators, *estimators],
@@ -212,6 +174,9 @@ class WorldModel(nn.Module):
                 clock=self.clock,
                 dtype=self.like.dtype,
             )
+        finally:
+            self.to(device)  # a model is built on the CPU, and so were the parts of this one
+        return grown.to(device)
 
     def learn(self, *names: str, start: Mapping[str, Any] | None = None) -> "WorldModel":
         """A copy of this model of which some numbers learn, and nothing else.
@@ -231,8 +196,13 @@ class WorldModel(nn.Module):
             >>> learner = model.learn("p_tar.noise", start={"p_tar.measurements.0.noise": 0.1})
             >>> optimizer = torch.optim.Adam(learner.parameters(), lr=0.05)
         """
-        model = copy.deepcopy(self)
+        if start is not None and not isinstance(start, Mapping):
+            raise GraphError(f"start={start!r}: expected numbers by name.")
         chosen = {**dict.fromkeys(names), **(start or {})}
+        if not chosen:
+            raise GraphError(f"learn: expected the name of a number: {choices(self.numbers)}.")
+
+        model = copy.deepcopy(self)
         parameters = make_learn(model._named_parts(), chosen, self.like)
         model._register_learned()
         check_effect(model.declaration, model.graph, parameters, model.like)
@@ -321,7 +291,8 @@ class WorldModel(nn.Module):
         Example:
             >>> loss = -model.filter({"z_tar": bearings}, {"a": velocities}).log_likelihood().mean()
         """
-        return LogFilter(self.declaration, self.graph, self.like)(readings, actions, truncate)
+        with undisturbed(self.like):
+            return LogFilter(self.declaration, self.graph, self.like)(readings, actions, truncate)
 
     def information(
         self, readings: Mapping[str, Tensor], actions: Mapping[str, Tensor]
@@ -341,7 +312,8 @@ class WorldModel(nn.Module):
         # By the names under which they were asked for, which are not torch's.
         names = {learned.theta: name.replace("/", ".") for name, learned in self.learned.items()}
         parameters = {names.get(value, name): value for name, value in self.named_parameters()}
-        return information(self.filter(readings, actions), parameters)
+        with undisturbed(self.like):
+            return information(self.filter(readings, actions), parameters)
 
     def record(self, values: Mapping[str, Tensor]) -> LocalGraphs:
         """The local graphs at given values: how each quantity and goal depends on what it reads.

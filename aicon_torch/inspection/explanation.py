@@ -10,8 +10,8 @@ from aicon_torch.control.backward import BackwardPass
 from aicon_torch.graph import WorldModel
 from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.inspection.trace import UNUSED, QuantityTrace, trace
-from aicon_torch.quantities import AGE, FROZEN, PRESENT, SILENCE
-from aicon_torch.readings.sensor_validation import NEVER
+from aicon_torch.quantities import AGE, FROZEN, PRESENT, SILENCE, Sensor
+from aicon_torch.readings.sensor_validation import NEVER, REFUSED
 from aicon_torch.readings.validation import BEGINS
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.watchdog import confidence
@@ -71,8 +71,7 @@ class Explanation:
         """A few lines to read."""
         lines: list[str] = []
         for name, action in self.action.items():
-            numbers = ", ".join(f"{component:+.3f}" for component in action)
-            lines.append(f"{name} = ({numbers})")
+            lines.append(f"{name} = {as_text(action)}")
         for name, goal in self.goals.items():
             change = f"predicted change {goal.predicted_change:+.2g}"
             lines.append(f"goal {name}: cost {goal.cost:.4g}, {change}")
@@ -113,14 +112,10 @@ def alerts(model: WorldModel, memory: Memory) -> Iterator[str]:
         if bool(memory[name + PRESENT]) or name == model.clock:
             continue
 
-        # Since when, and why.
-        key, age = sensor.key_of(name), float(memory[name + AGE])
-        since = "none ever" if age >= NEVER else f"the last is {age:.2f} s old"
-        if sensor.driven_by is not None and bool(memory[name + FROZEN]):
-            since += ", and it repeats itself"
-        yield f"no reading of {key!r}: {since}"
+        yield f"no reading of {sensor.key_of(name)!r}: {_since_when(name, sensor, memory)}"
 
         # What that does.
+        age = float(memory[name + AGE])
         if sensor.max_age is not None and age > sensor.max_age:
             yield f"  older than {sensor.max_age:.2f} s: {share:.0%} of the action is executed"
         elif sensor.max_gap is not None and float(memory[name + SILENCE]) > sensor.max_gap:
@@ -133,6 +128,32 @@ def alerts(model: WorldModel, memory: Memory) -> Iterator[str]:
 
     if bool(memory[BEGINS]):
         yield "at rest: the episode begins with the first reading of each sensor"
+        for name in model.declaration.commands:
+            yield f"  until then send {name!r} no command: it may be made of what was never read"
+
+
+def as_text(action: tuple[float, ...]) -> str:
+    """``(+0.100, -0.200)``."""
+    return "(" + ", ".join(f"{component:+.3f}" for component in action) + ")"
+
+
+def _since_when(name: str, sensor: Sensor, memory: Memory) -> str:
+    """How old the last reading of a sensor of one robot is, and why none came after it."""
+    age = float(memory[name + AGE])
+    if age >= NEVER:
+        demands: list[str] = []
+        if sensor.range is not None:
+            demands.append(f"within range={sensor.range}")
+        if sensor.is_possible is not None:
+            demands.append("that is_possible allows")
+        return " ".join(("none ever", *demands))
+
+    since = f"the last is {age:.2f} s old"
+    if sensor.rate_limit is not None and int(memory[name + REFUSED]) > 0:
+        since += f", and what came since was refused, beyond rate_limit={sensor.rate_limit:g}"
+    if sensor.driven_by is not None and bool(memory[name + FROZEN]):
+        since += ", and it repeats itself"
+    return since
 
 
 def _goal_reports(

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from aicon_torch.control.memory import GOAL_FACTORS
 from aicon_torch.graph import WorldModel
-from aicon_torch.inspection.explanation import alerts
+from aicon_torch.inspection.explanation import alerts, as_text
 from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import NEGLIGIBLE, safety_of
@@ -51,7 +51,7 @@ class Shielding:
 
     def __str__(self) -> str:
         """A few lines to read."""
-        lines = [f"proposed {_numbers(self.proposal)}, done {_numbers(self.action)}"]
+        lines = [f"proposed {as_text(self.proposal)}, done {as_text(self.action)}"]
         for name, held in self.held.items():
             if not math.isfinite(held.gap + held.asked + held.allowed):
                 lines.append(f"  {name}: a gap or its slope is no number, so nothing moves")
@@ -119,7 +119,3 @@ def _held(
                 gap=float(gaps[worst]), asked=float(speed[worst]), allowed=float(bounds[worst])
             )
     return found
-
-
-def _numbers(action: tuple[float, ...]) -> str:
-    return "(" + ", ".join(f"{component:+.3f}" for component in action) + ")"

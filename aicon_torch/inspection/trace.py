@@ -118,7 +118,7 @@ def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
     quantities: dict[str, QuantityTrace] = {}
     for name, paths in backward.paths.items():
         if backward.resolves_at(name):
-            own = {key: memory[f"{name}/{key}"] for key in backward.remembered_at(name)}
+            own = backward.recall(name, memory)
             quantities[name] = _where_gradients_met(backward, name, paths, own)
         elif name in model.actuators:
             gradient = memory[f"{name}/gradient"]

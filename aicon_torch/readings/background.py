@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch.readings.perception import SlowPerception
+from aicon_torch.validation import check_function
 
 
 class _Task(NamedTuple):
@@ -35,6 +36,9 @@ class BackgroundPerception:
         perception: The perception. What its slow part raises is raised by the step that would have
             taken the reading.
 
+    Raises:
+        OptionError: If it is not in two parts.
+
     Example:
         >>> camera = camera_perception(Options())
         >>> policy = load_exported("arm.so", perception=BackgroundPerception(camera))
@@ -42,6 +46,7 @@ class BackgroundPerception:
 
     def __init__(self, perception: SlowPerception) -> None:
         self.perception = perception
+        check_function(perception, ("begin", "readings"), "(...), of a perception in two parts")
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="perception")
         self._running: tuple[Future[Any], int] | None = None
         self._waiting: _Task | None = None

@@ -1,6 +1,10 @@
 """Observations, checked where numpy becomes torch; whatever is not a reading becomes NaN."""
 
+import difflib
+import logging
+import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,10 +16,14 @@ from torch.masked import is_masked_tensor
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.quantities import AGE, Actuator, Sensor
 
+_LOGGER = logging.getLogger(__name__)
 _ma: Any = np.ma  # numpy leaves it untyped
 
 ROUNDING = 1e-6
 """Share of a range by which a reading may exceed it: the instrument may have rounded."""
+
+ALIKE = 0.8
+"""Likeness, 0 to 1, from which on a key that nobody reads may be a misspelt one that is missing."""
 
 
 def read(
@@ -27,7 +35,8 @@ def read(
     """The readings by sensor, ``(*B, size)``, in the graph's units; ages and executed actions.
 
     A component that is masked, not finite or beyond the sensor's range is NaN, tensor or array, and
-    so is what is absent; nothing waits for the device.
+    so is what is absent; nothing waits for the device. A key that nobody reads is logged once where
+    it is much like one that may be missing, and is.
 
     Args:
         observation: Arrays or tensors by the sensors' keys.
@@ -72,7 +81,37 @@ def read(
         if actuator.key is not None:
             shape = (*(batch or ()), actuator.size)
             readings[name] = _executed(actuator.key, observation, shape, like)
+
+    # What may be missing may be misspelt.
+    known = _keys(sensors, actuators)
+    if not all(key in observation for key in known):
+        _warn_of_misspelt(known, frozenset(filter(_is_word, observation.keys())))
     return readings
+
+
+def _keys(sensors: Mapping[str, Sensor], actuators: Mapping[str, Actuator]) -> frozenset[str]:
+    """All keys of an observation that are read."""
+    keys = {sensor.key_of(name) for name, sensor in sensors.items()}
+    keys |= {sensor.age_key for sensor in sensors.values() if sensor.age_key is not None}
+    keys |= {actuator.key for actuator in actuators.values() if actuator.key is not None}
+    return frozenset(keys)
+
+
+def _is_word(key: Any) -> bool:
+    return isinstance(key, str)
+
+
+@lru_cache  # so that each is told once
+def _warn_of_misspelt(known: frozenset[str], given: frozenset[str]) -> None:
+    """Log keys that nobody reads and that are much like one that is missing."""
+    for key in sorted(filter(_is_word, known - given)):
+        for other in difflib.get_close_matches(key, given - known, cutoff=ALIKE):
+            _LOGGER.warning(
+                "The observation has no %r, which may be missing, but it has %r, which nobody "
+                "reads: is it misspelt?",
+                key,
+                other,
+            )
 
 
 def _executed(
@@ -108,12 +147,11 @@ def _reading(
 def in_unit(reading: Tensor, sensor: Sensor) -> Tensor:
     """A reading ``(*B, size)`` in the graph's unit, NaN where it is none."""
     # Beyond the range, or infinite, there is no reading.
-    if sensor.range is None:
-        within = reading.isfinite()
-    else:
+    within = reading.isfinite()
+    if sensor.range is not None:
         low, high = sensor.range
-        slack = ROUNDING * (high - low)
-        within = (reading >= low - slack) & (reading <= high + slack)
+        slack = ROUNDING * (high - low) if math.isfinite(high - low) else 0.0
+        within = within & (reading >= low - slack) & (reading <= high + slack)
     reading = torch.where(within, reading, torch.nan)
 
     if sensor.scale == 1:
@@ -138,8 +176,8 @@ def _age(
         age = age.squeeze(-1)
     if tuple(age.shape) != batch:
         raise ObservationError(
-            f"{key!r}: expected an age in s for each row, shape {batch} or {(*batch, 1)}, got "
-            f"{tuple(age.shape)}."
+            f"{key!r}: expected an age in s for each row of the readings, shape {batch} or "
+            f"{(*batch, 1)}, got {tuple(age.shape)}."
         )
     return age
 

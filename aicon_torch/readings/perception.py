@@ -39,7 +39,7 @@ class SlowPerception(Perception, Protocol):
     """A perception in two parts, of which one may take longer than a control step.
 
     Called, it does both at once: ``readings(begin(...)(), observation)``. In the background the
-    slow part goes on while others control steps are taken:
+    slow part goes on while other control steps are taken:
     :class:`aicon_torch.readings.BackgroundPerception`.
     """
 

@@ -145,6 +145,17 @@ class SensorValidation(NamedTuple):
             name + MISSED: memory[name + MISSED] + ~is_believed,
         }
 
+    def can_be(self, readings: Mapping[str, Tensor]) -> Tensor:
+        """Whether there is a reading that the instrument can have meant, ``(*B,)``."""
+        name, sensor = self.name, self.sensor
+        can_be = readings[name].isfinite().all(-1)
+        if name + AGE in readings:
+            age = readings[name + AGE]
+            can_be = can_be & (age >= 0) & (age < NEVER)
+        if sensor.is_possible is not None:
+            can_be = can_be & sensor.is_possible(readings[name])
+        return can_be
+
     def _arrival(
         self, readings: Mapping[str, Tensor], memory: Mapping[str, Tensor], elapsed: Tensor
     ) -> _Arrival:
@@ -153,11 +164,7 @@ class SensorValidation(NamedTuple):
         reading, waited = readings[name], memory[name + AGE] + elapsed
         age = readings.get(name + AGE, torch.zeros_like(waited))
         is_first, tick = memory[name + AGE] >= NEVER, 1e-3 * self.dt
-
-        # Is it one that can be?
-        can_be = reading.isfinite().all(-1) & (age >= 0) & (age < NEVER)
-        if sensor.is_possible is not None:
-            can_be = can_be & sensor.is_possible(reading)
+        can_be = self.can_be(readings)
 
         # Does it repeat itself while it should change, and is not the same one again?
         was_frozen = memory.get(name + FROZEN, torch.zeros_like(can_be))

@@ -52,9 +52,10 @@ class MeasurementValidation(NamedTuple):
     def first(self, readings: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """The readings ``(*B, size)`` from which estimates start; zero stands for none."""
         first: dict[str, Tensor] = {}
-        for name in self.sensors:
-            is_present = readings[name].isfinite().all(-1, keepdim=True)
-            first[name] = torch.where(is_present, readings[name], 0.0)
+        for validation in self._validations():
+            reading = readings[validation.name]
+            can_be = validation.can_be(readings).unsqueeze(-1)
+            first[validation.name] = torch.where(can_be, reading, 0.0)
         return first
 
     def __call__(

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.errors import OptionError
 from aicon_torch.resolution.base import GradientStack, RankedGradients
+from aicon_torch.validation import check_flags, check_not_negative
 from aicon_torch.vectors import reject, unit
 
 
@@ -43,6 +45,15 @@ class TrapEscape:
     hold_gain: float = 3.0
     along: str | Sequence[str] | None = None
     onward: bool = False
+
+    def __post_init__(self) -> None:
+        """Check numbers and flags."""
+        check_flags(self)
+        check_not_negative(self, ("progress_margin", "hold_gain"))
+        for name, kinds in (("progress", str), ("hold", str | Sequence), ("along", str | Sequence)):
+            goals = getattr(self, name)
+            if goals is not None and not isinstance(goals, kinds):
+                raise OptionError(f"{name}={goals!r}: expected a goal by its name, or None.")
 
     @property
     def goals(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from torch import Tensor
 from aicon_torch.errors import OptionError
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients
 from aicon_torch.resolution.escape import TrapEscape
+from aicon_torch.validation import check_flags, check_instance, check_positive, numbers
 from aicon_torch.vectors import reject, select, unit
 
 
@@ -73,17 +74,18 @@ class Exploration:
 
     def __post_init__(self) -> None:
         """Check the options."""
+        check_flags(self)
+        check_positive(self, ("ratio", "average_time"))
+        check_instance(self, ("escape",), TrapEscape, "TrapEscape()")
+        for name in ("enter_cosine", "exit_cosine"):
+            numbers(name, getattr(self, name), 1)
         if not -1 <= self.enter_cosine <= self.exit_cosine <= 1:
             raise OptionError(
                 f"enter_cosine={self.enter_cosine!r}, exit_cosine={self.exit_cosine!r}: "
                 "expected -1 <= enter <= exit <= 1."
             )
-        if not self.ratio >= 1:
+        if self.ratio < 1:
             raise OptionError(f"ratio={self.ratio!r}: expected a number >= 1.")
-        if not self.average_time > 0:
-            raise OptionError(
-                f"average_time={self.average_time!r}: expected a positive number (s)."
-            )
         if self.opponent not in ("second", "opposing"):
             raise OptionError(f"opponent={self.opponent!r}: expected 'second' or 'opposing'.")
         if self.ratio_of not in ("weights", "magnitudes"):

@@ -1,17 +1,22 @@
 """Nullspace projection: the paper's rule for gradients that meet (Sect. "Adaptive Nullspaces")."""
 
 import dataclasses
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 import torch
 from torch import Tensor
 
-from aicon_torch.errors import OptionError, choices
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients, Resolution
 from aicon_torch.resolution.exploration import Exploration
 from aicon_torch.resolution.projectors import PROJECTORS
+from aicon_torch.validation import (
+    check_choice,
+    check_flags,
+    check_instance,
+    check_not_negative,
+    check_positive,
+)
 from aicon_torch.vectors import select
 
 
@@ -54,17 +59,13 @@ class NullspaceProjection(Resolution):
 
     def __post_init__(self) -> None:
         """Check the options."""
-        if self.temperature is not None and not 0 < self.temperature < math.inf:
-            raise OptionError(
-                f"temperature={self.temperature!r}: expected a positive number, or None for no "
-                "softmax."
-            )
-        if not 0 <= self.margin < math.inf:
-            raise OptionError(f"margin={self.margin!r}: expected a number >= 0.")
-        if self.projector not in PROJECTORS:
-            raise OptionError(
-                f"projector={self.projector!r}: expected one of {choices(PROJECTORS)}."
-            )
+        check_flags(self)
+        check_not_negative(self, ("margin",))
+        check_choice(self, "projector", tuple(PROJECTORS))
+        if self.temperature is not None:
+            check_positive(self, ("temperature",))
+        if self.exploration is not None:
+            check_instance(self, ("exploration",), Exploration, "Exploration()")
 
     @classmethod
     def as_in_paper(cls) -> "NullspaceProjection":

@@ -36,8 +36,8 @@ def qr(top: Tensor, gradients: Tensor) -> Tensor:
 
 
 def pinv(top: Tensor, gradients: Tensor) -> Tensor:
-    """(I − J⁺J) ∇ (Eq. 4)."""
-    jacobian = top.unsqueeze(-2)
+    """(I − J⁺J) ∇ (Eq. 4); a gradient that is not finite takes nothing away."""
+    jacobian = top.unsqueeze(-2).nan_to_num(nan=0.0, posinf=0.0, neginf=0.0)
 
     projected: Tensor = gradients - (gradients @ torch.linalg.pinv(jacobian)) @ jacobian
     return projected

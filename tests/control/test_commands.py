@@ -40,6 +40,15 @@ def test_commands_are_of_the_kind_of_the_observation() -> None:
     assert np.array_equal(policy.act(as_arrays(reading)), command)
 
 
+def test_before_the_first_readings_no_command_is_to_be_sent() -> None:
+    policy = steered(command=where_to)
+    (reading,) = walled(1, (2,))
+    unseen = torch.tensor([[1.0], [torch.nan]], dtype=torch.float64)
+    _, memory = policy.predict(reading | {"z": unseen * reading["z"]})
+    assert "send 'a' no command" in str(policy.explain(memory, row=1))
+    assert "send 'a' no command" not in str(policy.explain(memory, row=0))
+
+
 def test_a_command_may_have_another_size() -> None:
     def polar(a: Tensor) -> Tensor:
         return torch.cat((a, a.norm(dim=-1, keepdim=True)), dim=-1)

@@ -104,6 +104,7 @@ def test_no_gradient_however_large_breaks_the_limit(
         ({"gain": 0.0}, "gain=0.0"),
         ({"gain": -1.0}, "gain=-1.0"),
         ({"gain": math.nan}, "gain=nan"),
+        ({"gain": None}, "gain=None"),
         ({"gain": 1.0, "smoothing": -0.1}, "smoothing=-0.1"),
     ],
 )

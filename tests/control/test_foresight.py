@@ -192,7 +192,8 @@ def test_a_policy_checks_its_law() -> None:
     [
         *(({"iterations": value}, f"iterations={value}") for value in (0, -1, 2.0, True)),
         *(({"step": value}, f"step={value}") for value in (0.0, -1.0, math.nan, math.inf)),
-        *(({"smoothing": value}, f"smoothing={value}") for value in (-0.1, math.nan)),
+        *(({"smoothing": value}, f"smoothing={value}") for value in (-0.1, math.nan, math.inf)),
+        *(({name: "a"}, f"{name}='a'") for name in ("step", "smoothing", "dither", "horizon")),
         *(({"dither": value}, f"dither={value}") for value in (-0.1, 1.1, math.nan)),
         *(({"dither_steps": value}, f"dither_steps={value}") for value in (0, -1, 2.0, True)),
     ],

@@ -1,4 +1,4 @@
-"""Torch's default dtype and device are the user's: no policy depends on them."""
+"""Torch's defaults and modes are the user's: no policy depends on them."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +12,7 @@ from _inputs.reaching import planar_arm
 from torch import Tensor
 
 from aicon_torch import Policy
+from aicon_torch.export.codegen import has_compiler
 
 ARM = planar_arm()
 
@@ -97,3 +98,33 @@ def test_what_is_done_with_a_memory_does_not_depend_on_them(
             form.explain(found)
         assert_same_memory(found, expected, 0.0)
         assert_same_memory(watched, form.estimate(arrays[1], memory), 0.0)
+
+
+@every_policy
+def test_nothing_is_rounded_in_autocast_but_what_a_perception_does(
+    build: Callable[[], Policy], readings: list[dict[str, Tensor]]
+) -> None:
+    policy = build().float()
+    policy.perception = lambda observation, values, starts: seen.append(low()) or observation
+    seen: list[bool] = []
+
+    def low() -> bool:
+        return torch.is_autocast_enabled("cpu")
+
+    expected = rollout(policy, readings)
+    assert not any(seen)
+    with torch.autocast("cpu"):
+        found = rollout(policy, readings)
+        explained = policy.explain(found[-1], row=(0,) * found[-1]["begins"].dim())
+        assert seen[-1] and low()
+    assert_same_memory(found[-1], expected[-1], 0.0)
+    assert explained == policy.explain(expected[-1], row=(0,) * expected[-1]["begins"].dim())
+
+
+@pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+def test_nor_where_a_policy_is_compiled_or_built() -> None:
+    readings = drifting(2)
+    expected = rollout(lean_anew("nav2d").float().compile(), readings)
+    with torch.autocast("cpu"):
+        found = rollout(lean_anew("nav2d").float().compile(), readings)
+    assert_same_memory(dict(found[-1]), dict(expected[-1]), 0.0)

@@ -24,7 +24,10 @@ def test_constant_noise_is_a_diagonal(noise: Any, size: int, expected: list[floa
     torch.testing.assert_close(Covariance(noise, size)({}), diagonal)
 
 
-@pytest.mark.parametrize("noise", [-1.0, (1.0, 2.0, 3.0), (1.0, -2.0), float("nan"), [[1.0]]])
+@pytest.mark.parametrize(
+    "noise",
+    [-1.0, (1.0, 2.0, 3.0), (1.0, -2.0), float("nan"), [[1.0]], np.inf, "a", ["a", "b"], None],
+)
 def test_bad_noise_is_named(noise: Any) -> None:
     with pytest.raises(GraphError, match=r"noise=.*expected one variance >= 0 or 2"):
         Covariance(noise, 2)

@@ -1,9 +1,11 @@
 """Measurements are read once, in their order, whatever they come in."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from _inputs.tracking import match, tracked_point
 
 from aicon_torch import EKF, Affine, Deterministic, GraphError, KalmanFilter, LateEKF, Measurement
 from aicon_torch.estimation.late import ekf_with_delay
@@ -49,3 +51,21 @@ def test_names_have_an_order_too() -> None:
         Deterministic("y", lambda x: x, each={"x"})
     with pytest.raises(GraphError, match="sensor of 'p': expected a list or a tuple"):
         LateEKF("p", "P", steps=2, **{**LATE, "sensor": {"z", "y"}})
+
+
+@pytest.mark.parametrize("initial", [((math.nan, 0.0), 1.0), ((math.inf, 0.0), 1.0), (("a",), 1.0)])
+def test_a_prior_is_of_finite_numbers(initial: Any) -> None:
+    """With others the robot would rest for ever, and nobody knew why."""
+    with pytest.raises(GraphError, match=r"initial of 'p': expected \(mean, variances\)"):
+        tracked_point(initial=initial)
+
+
+def test_what_moves_a_late_estimate_has_a_size() -> None:
+    with pytest.raises(GraphError, match="moved_by of 'p': expected sizes by name"):
+        LateEKF("p", "P", steps=2, **{**LATE, "moved_by": ["x"]})
+
+
+@pytest.mark.parametrize("gate", [-1.0, 0.0, "a"])
+def test_a_gate_lets_something_through(gate: Any) -> None:
+    with pytest.raises(GraphError, match=r"gate=.*: expected a number > 0"):
+        Measurement(match, 0.1, gate=gate, size=2)

@@ -83,6 +83,10 @@ MISNAMED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tracking_model(goals=[Goal("near", near), Goal("near", near)]),
         r"'near' is declared 2 times",
     ),
+    "a name of what is remembered": (
+        lambda: tracking_model(MOVE, TRACK, Deterministic("steps", move)),
+        "'steps' is taken",
+    ),
     "the time step's name": (
         lambda: tracking_model(MOVE, TRACK, Deterministic("dt", lambda a: a)),
         r"'dt' is taken",
@@ -110,6 +114,14 @@ INCOMPLETE: dict[str, tuple[Callable[[], Any], str]] = {
     "a type without fractions": (
         lambda: tracking_model(dtype=torch.int64),
         r"torch.int64.*floating-point",
+    ),
+    "a type without the age of what never came": (
+        lambda: tracking_model(dtype=torch.float16),
+        r"torch.float16.* numbers up to 1e\+09",
+    ),
+    "a function that changes what it reads": (
+        lambda: tracking_model(Deterministic("x", lambda a, dt: a.mul_(dt)), TRACK),
+        "'x' cannot be evaluated .*in-place",
     ),
     "sensors without names": (
         lambda: tracking_model(sensors=[Sensor(2, "m")]),

@@ -1,9 +1,12 @@
 """A log is filtered as a policy would, and differentiably."""
 
+from typing import Any
+
 import pytest
 import torch
 from _inputs.logs import AGREES, LOGS, STEPS, Log, random_actions, slope_off, stacked
 from _inputs.random_numbers import normal
+from _inputs.tracking import tracking_model
 
 from aicon_torch import EKF, Actuator, Affine, Goal, Measurement, Policy, Sensor, WorldModel
 from aicon_torch.errors import ObservationError
@@ -158,6 +161,21 @@ def test_a_wrong_log_is_an_error(
     given = [{n: torch.zeros(shape) for n, shape in part.items()} for part in (readings, actions)]
     with pytest.raises(ObservationError, match=message):
         tracker().filter(*given)
+
+
+@pytest.mark.parametrize(
+    ("log", "truncate", "message"),
+    [
+        ({}, None, "readings: expected a series of one of 'z'"),
+        ({"z": "a"}, None, "'z': expected numbers"),
+        ({"z.age": torch.zeros(4), "z": torch.ones(5, 2)}, None, r"'z.age'.*\(5,\), got \(4,\)"),
+        *(({"z": torch.ones(5, 2)}, steps, f"truncate={steps}") for steps in (0, -1, 0.5)),
+    ],
+)
+def test_what_is_no_series_is_named(log: Any, truncate: Any, message: str) -> None:
+    sensors = {"z": Sensor(2, "m", optional=True, age=0.1)}
+    with pytest.raises(ObservationError, match=message):
+        tracking_model(sensors=sensors).filter(log, {"a": torch.zeros(5, 2)}, truncate)
 
 
 def test_actions_must_be_finite() -> None:

@@ -8,6 +8,7 @@ import pytest
 import torch
 from _asserts import numeric_totals, rollout
 from _inputs import Blueprint, blueprints, built, drifting, lengths, navigation_in_text, readings
+from _inputs.tracking import tracking_model
 from hypothesis import given
 from torch import Tensor
 
@@ -137,6 +138,28 @@ def test_a_row_of_a_batch_is_explained_as_alone() -> None:
     assert found.action["a"] == pytest.approx(expected.action["a"])
     for name, goal in expected.goals.items():
         assert found.goals[name].predicted_change == pytest.approx(goal.predicted_change)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "told"),
+    [
+        ({"rate_limit": 2.0}, "the last is 0.10 s old, and what came since was refused"),
+        ({"range": (-1.0, 3.0)}, "none ever within range=(-1.0, 3.0)"),
+        ({"is_possible": lambda z: z[..., 0] < 3.0}, "none ever that is_possible allows"),
+    ],
+    ids=["jumped", "beyond the range", "impossible"],
+)
+def test_a_reading_that_was_refused_is_not_said_never_to_have_come(
+    sensor: dict[str, Any], told: str
+) -> None:
+    model = tracking_model(
+        sensors={"z": Sensor(2, "m", **sensor)}, actuators={"a": Actuator(2, "m/s", limit=1.0)}
+    )
+    policy, memory = Policy(model), None
+    for place in [0.0] * ("rate_limit" in sensor) + [9.0]:
+        _, memory = policy.predict({"z": np.full(2, place)}, memory)
+    assert memory is not None and not memory["z"].any()
+    assert policy.explain(memory).alerts[0].startswith(f"no reading of 'z': {told}")
 
 
 @pytest.mark.parametrize("row", [(), 1, (0,), True, None, [1], (0, True), np.array([1])], ids=str)

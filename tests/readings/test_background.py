@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aicon_torch import BackgroundPerception, Foresight, Policy, load_exported, make_policy
+from aicon_torch import (
+    BackgroundPerception,
+    Foresight,
+    OptionError,
+    Policy,
+    load_exported,
+    make_policy,
+)
 
 SECONDS = 20.0
 """Until a test that waits gives up."""
@@ -40,6 +47,11 @@ class Camera:
 
     def __call__(self, observation: Mapping[str, Any], values: Any, starts: Any) -> dict[str, Any]:
         return self.readings(self.begin(observation, values, starts)(), observation)
+
+
+def test_a_perception_in_one_part_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"begin=None: expected a function, begin\(\.\.\.\)"):
+        BackgroundPerception(lambda observation, values, starts: observation)  # type: ignore[arg-type]
 
 
 def image_of(distance: float) -> dict[str, Any]:

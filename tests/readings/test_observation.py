@@ -8,6 +8,7 @@ import pytest
 import torch
 from _asserts import assert_same_memory
 from _inputs import BATCHES, navigation, normal, observation_with, point
+from _inputs.tracking import tracking_model
 
 from aicon_torch import (
     Actuator,
@@ -108,6 +109,15 @@ def test_beyond_the_range_there_is_no_reading(far: float, kind: Any) -> None:
     assert after["z_obs"] == 1.0
 
 
+@pytest.mark.parametrize("far", [-0.1, np.inf])
+def test_a_range_may_have_one_end(far: float) -> None:
+    sensors = {"z": Sensor(2, "m", range=(0.0, np.inf))}
+    actuators = {"a": Actuator(2, "m/s", limit=1.0)}
+    policy = Policy(tracking_model(sensors=sensors, actuators=actuators))
+    _, memory = policy.predict({"z": np.array([[0.0, 1e9], [far, 1.0]])})
+    assert memory["z.present"].tolist() == [True, False]
+
+
 def masked_rows(values: list[float], masks: list[bool]) -> Any:
     """Rows ``(N, 1)``, as whoever stacks single readings has them."""
     pairs = zip(values, masks, strict=True)
@@ -169,6 +179,44 @@ def test_what_no_sensor_reads_is_ignored() -> None:
     _, memory = navigation().predict(more)
     _, expected = navigation().predict(observation_with())
     assert_same_memory(memory, expected, 0.0)
+
+
+def seen_at() -> Policy:
+    """A point whose place and age may be missing."""
+    sensor = Sensor(2, "m", key="place", optional=True, age_key="place_age")
+    actuators = {"a": Actuator(2, "m/s", limit=1.0, key="executed")}
+    return Policy(tracking_model(sensors={"z": sensor}, actuators=actuators))
+
+
+@pytest.mark.parametrize("key", ["place", "place_age", "executed"])
+def test_a_key_that_may_be_missing_and_is_misspelt_is_told_once(
+    key: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = {"place": np.zeros(2), "place_age": np.zeros(()), "executed": np.zeros(2)}
+    policy, other = seen_at(), {"x": np.zeros(1), f"{key}s": whole.pop(key)}
+    memory = None
+    for _ in range(3):
+        _, memory = policy.predict(whole | other, memory)
+    (record,) = caplog.records
+    assert f"has no '{key}'" in record.getMessage() and f"it has '{key}s'" in record.getMessage()
+
+
+def test_other_keys_are_not_taken_for_misspelt_ones(caplog: pytest.LogCaptureFixture) -> None:
+    seen_at().predict({"pixels": np.zeros(3), "placard": 1, 3: 4, "place_age": np.zeros(())})
+    seen_at().predict({"place": np.zeros(2), "places": 1})
+    numbered = {"z": Sensor(2, "m", key=3, optional=True)}  # type: ignore[arg-type]
+    Policy(tracking_model(sensors=numbered), law=DirectDescent()).predict({"places": 1})
+    assert not caplog.records
+
+
+def test_without_any_reading_an_observation_is_that_of_one_robot() -> None:
+    policy = seen_at()
+    _, memory = policy.predict({"place": np.zeros((3, 2))})
+    with pytest.raises(ObservationError, match=r"is \(3,\), .*of no reading, \(\)"):
+        policy.predict({}, memory)
+
+    nothing = {"place": np.full((3, 2), np.nan)}
+    assert policy.predict(nothing, memory)[0].shape == (3, 2)
 
 
 # --- units

@@ -142,6 +142,8 @@ def test_a_single_gradient_passes(batch: tuple[int, ...]) -> None:
         ({"temperature": -1.0}, "temperature"),
         ({"temperature": math.nan}, "temperature"),
         ({"margin": -0.1}, "margin"),
+        ({"margin": "a"}, "margin='a'"),
+        ({"exploration": "none"}, "exploration='none': expected Exploration"),
         ({"projector": "ortho"}, "'orthogonal', 'qr', 'pinv', 'none'"),
     ],
 )

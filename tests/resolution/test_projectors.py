@@ -23,3 +23,15 @@ def test_the_three_projectors_are_equal(stack: Tensor, rule: Any) -> None:
 def test_no_projection_adds_the_gradients_as_they_are(count: int) -> None:
     stack = normal(3, count, 4)
     torch.testing.assert_close(resolved(unweighted(projector="none"), stack), stack.sum(-2))
+
+
+@pytest.mark.parametrize("projector", PROJECTORS)
+@pytest.mark.parametrize("broken", [torch.nan, torch.inf, -torch.inf])
+def test_a_row_that_is_not_finite_leaves_the_others_as_they_are(
+    projector: Any, broken: float
+) -> None:
+    stack = normal(3, 4, 4)
+    expected = resolved(weighted(projector=projector), stack)
+    stack[1] = broken
+    found = resolved(weighted(projector=projector), stack)
+    torch.testing.assert_close(found[[0, 2]], expected[[0, 2]])
