@@ -25,7 +25,7 @@ from aicon_torch.safety.probing import (
     read_by_gaps,
     without_rounding,
 )
-from aicon_torch.safety.rows import Rows, joined
+from aicon_torch.safety.rows import Rows, clamped, joined
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
 
@@ -361,7 +361,7 @@ def _unless_escaping(
     shortened: Tensor, action: Tensor, within: SafetyBounds, memory: Memory
 ) -> Tensor:
     """A shortened action ``(*B, n)``, unless a detour is made or a gap has to grow faster."""
-    shortened = torch.minimum(torch.maximum(shortened, within.low), within.high)
+    shortened = clamped(shortened, within)
     is_taken = ~memory["escaping"]
     if within.bounds.shape[-1] > 0:
         speeds = (within.slopes * shortened.unsqueeze(-2)).sum(-1)

@@ -88,7 +88,7 @@ def _of_one_batch(
     vectors = (nominal, within.bounds, within.low, within.high, coming)
     shapes = [vector.shape[:-1] for vector in vectors if vector is not None]
     shapes += [matrix.shape[:-2] for matrix in (within.slopes, inverse) if matrix is not None]
-    batch = torch.broadcast_shapes(*shapes)
+    batch = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call]  # torch leaves it untyped
 
     slopes, *sides = within
     nominal, *sides = (vector.expand(*batch, -1) for vector in (nominal, *sides))
