@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from torch import Tensor
 
 from aicon_torch.control.memory import STEPS, starting_rows
+from aicon_torch.errors import OptionError
 from aicon_torch.inspection.explanation import Explanation
 from aicon_torch.inspection.trace import StepTrace
 from aicon_torch.policy import Policy
@@ -78,6 +79,8 @@ class Rehearsal:
         check_count(self, ("steps", "rounds"), least=1)
 
         self.ways = WaysAlong(policy) if ways is None else ways
+        if isinstance(ways, type):  # which has the methods of its instances
+            raise OptionError(f"ways={ways!r}: expected an instance, {ways.__name__}(policy).")
         check_instance(self, ("ways",), Ways, "WaysAlong(policy)")
 
     def predict(
@@ -135,8 +138,8 @@ class Rehearsal:
     def _rehearse(self, seen: Readings, shared: Mapping[str, Any], memory: Memory) -> Tensor:
         """In how many steps each of the ways arrives, ``(k, n)``; fewer are better.
 
-        One that does not arrive before all others counts as one step more than all of them, and a
-        share of another that grows with how far off it stayed.
+        One that does not arrive counts as a step more than all that there are, and a share of
+        another that grows with how far off it stayed.
 
         Args:
             seen: What is read where it decides, ``(n, size)``.
@@ -145,14 +148,14 @@ class Rehearsal:
         """
         count = len(next(iter(memory.values())))
         readings: Readings = {name: torch.stack([value] * count) for name, value in seen.items()}
-        nearest = torch.full_like(self.cost(memory), torch.inf, dtype=torch.float64)
+        nearest = torch.full_like(memory[STEPS], torch.inf, dtype=torch.float64)
         arrived = torch.full_like(nearest, torch.inf)
 
         # Of the rows that go on, those where a way has arrived are no longer tried.
         going = torch.arange(nearest.shape[-1], device=nearest.device)
         for step in range(self.steps + 1):
-            cost = self.cost(memory).to(nearest)
-            nearest[:, going] = torch.minimum(nearest[:, going], cost)
+            cost = self._cost_of(memory).to(nearest)
+            nearest[:, going] = torch.fmin(nearest[:, going], cost)  # NaN is no cost
             arrives = cost <= self.enough
             arrived[:, going] = torch.where(arrives, step, arrived[:, going])
             goes_on = ~arrives.any(0)
@@ -165,7 +168,22 @@ class Rehearsal:
             imagined = self.imagine({**shared, **readings}, memory)
             _, memory = self.policy.predict(imagined, memory)
             readings = {name: value for name, value in imagined.items() if name not in shared}
-        return torch.where(arrived.isfinite(), arrived, self.steps + 1 + nearest / (1.0 + nearest))
+        off = nearest - self.enough
+        share = (off / (1.0 + off)).nan_to_num(1.0)  # which it comes to as it grows
+        return torch.where(arrived.isfinite(), arrived, self.steps + 1 + share)
+
+    def _cost_of(self, memory: Memory) -> Tensor:
+        """The cost of each row, ``(k, n)``.
+
+        Raises:
+            OptionError: If it is none.
+        """
+        cost: Any = self.cost(memory)
+        expected = tuple(memory[STEPS].shape)
+        if not isinstance(cost, Tensor) or tuple(cost.shape) != expected:
+            got = tuple(cost.shape) if isinstance(cost, Tensor) else repr(cost)
+            raise OptionError(f"cost: expected a number for each row, {expected}, got {got}.")
+        return cost
 
 
 def _rows(observation: Mapping[str, Any], batch: tuple[int, ...]) -> dict[str, Tensor]:

@@ -70,7 +70,8 @@ class Shield:
         policy: Anything with the ``predict`` of stable-baselines3, or a function of the
             observation, that proposes actions ``(*B, size)``. The shield has copies of what its
             sensors read, which stay as they are whatever the policy does to the observation.
-        model: The graph: sensors, one actuator with a finite limit, estimators, safety goals.
+        model: The graph: sensors, one actuator with a finite limit, estimators, safety goals. What
+            its other goals want is left out, so that it may be that of a policy.
         nominal: Where proposals are no actions of the actuator, such as places to go to: a function
             of ``proposal`` and any quantities, wired by its parameters' names, that returns the
             action ``(*B, size)`` that is meant. (``Actuator(command=)`` is the way back.)
@@ -232,7 +233,8 @@ def _following(
         raise GraphError(
             f"model: it has the actuators {choices(model.actuators)}; a shield drives exactly one."
         )
-    if not any(goal.safety for goal in model.goals.values()):
+    safety_goals = [goal for goal in model.goals.values() if goal.safety]
+    if not safety_goals:
         raise GraphError(
             f"model: none of its goals ({choices(model.goals)}) is a safety goal, so there is "
             "nothing to keep: Goal(..., safety=True)."
@@ -260,7 +262,7 @@ def _following(
         sensors={**model.sensors, PROPOSAL: proposal},
         actuators={name: replace(actuator, dampers=dampers)},
         estimators=[*model.declaration.estimators, asked],
-        goals=[*model.goals.values(), follow],
+        goals=[*safety_goals, follow],
         dt=model.dt,
         clock=model.clock,
         dtype=model.like.dtype,

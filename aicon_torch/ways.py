@@ -12,7 +12,7 @@ from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import safety_memory
 from aicon_torch.safety.places import Places
-from aicon_torch.validation import check_count
+from aicon_torch.validation import check_count, check_instance
 
 EXPLORING = "/exploring"
 """How the key ends under which the memory has whether a quantity explores."""
@@ -58,11 +58,12 @@ class WaysAlong:
         every: In how many steps it is decided anew.
 
     Raises:
-        OptionError: If it explores nowhere, or is to decide in less than one step.
+        OptionError: If it is none, explores nowhere, or is to decide in less than one step.
     """
 
     def __init__(self, policy: Policy, every: int = 50) -> None:
-        self.every = every
+        self.policy, self.every = policy, every
+        check_instance(self, ("policy",), Policy, "make_policy('nav2d')")
         check_count(self, ("every",), "number of steps", least=1)
         if not any(key.endswith(EXPLORING) for key in policy.backward_pass.keys):
             raise OptionError(
@@ -97,11 +98,12 @@ class OtherPlaces:
         count: To how many places it may go first.
 
     Raises:
-        OptionError: If none of its actuators goes to places, or there is no place.
+        OptionError: If it is none, none of its actuators goes to places, or there is no place.
     """
 
     def __init__(self, policy: Policy, count: int = 31) -> None:
-        self.count = count
+        self.policy, self.count = policy, count
+        check_instance(self, ("policy",), Policy, "make_policy('reach', robot='arm.urdf')")
         check_count(self, ("count",), "number of places", least=1)
         self.places: dict[str, Places] = {}
         remembered = safety_memory(policy.model)  # none of an actuator without safety goals
@@ -154,6 +156,15 @@ def _begin(ending: str, memory: Memory, before: Memory | None, starts: Tensor | 
 
 
 def _flags(ending: str, memory: Memory) -> Tensor:
-    """The flags whose keys end so, ``(k, *B)``."""
+    """The flags whose keys end so, ``(k, *B)``.
+
+    Raises:
+        OptionError: If there is none: the memory is that of another policy.
+    """
     names = sorted(name for name in memory if name.endswith(ending))
+    if not names:
+        raise OptionError(
+            f"ways: no key of the memory ends with {ending!r}; expected the ways of the policy "
+            "that is rehearsed."
+        )
     return torch.stack([memory[name] for name in names])

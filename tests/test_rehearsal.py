@@ -203,6 +203,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no step": ({"steps": 0}, "steps=0"),
     "parts of a round": ({"rounds": 1.5}, "rounds=1.5: expected a whole number >= 1"),
     "a number of ways": ({"ways": 3}, "ways=3: expected Ways, such as WaysAlong"),
+    "a kind of ways": ({"ways": WaysAlong}, r"expected an instance, WaysAlong\(policy\)"),
 }
 
 
@@ -227,3 +228,5 @@ def test_a_policy_that_does_not_explore_is_refused() -> None:
     for every in (0, 2.5):
         with pytest.raises(OptionError, match=f"every={every}"):
             WaysAlong(wandering(), every=every)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="policy=3: expected Policy"):
+        WaysAlong(3)  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from _inputs.pillars import DT, PILLARS, RADIUS, TARGET, TRAP, straight, world
+from _inputs.walls import point_policy, wall
 from torch import Tensor
 
 from aicon_torch import (
@@ -32,6 +33,14 @@ def test_what_is_allowed_is_done_as_it_was_proposed() -> None:
     observation = {"position": np.array([0.0, 2.0])}
     action, _ = shield.predict(observation)
     np.testing.assert_allclose(action, straight(observation), rtol=1e-6)
+
+
+@pytest.mark.parametrize("proposed", [(0.0, 0.0), (0.5, -0.2)])
+def test_what_else_a_model_wants_is_not_followed(proposed: tuple[float, float]) -> None:
+    shield = Shield(lambda _: np.array(proposed), point_policy([wall()]).model)
+    seen = {"z": np.array([-0.5, 0.0]), "z_target": np.array([-3.0, 0.0])}
+    action, _ = shield.predict(seen)
+    np.testing.assert_allclose(action, proposed, rtol=1e-6)
 
 
 @pytest.mark.parametrize("pillars", [PILLARS, TRAP], ids=["pillar", "trap"])

@@ -1,9 +1,11 @@
 """An arm that rehearses places comes around an obstacle sooner than the policy alone."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import pytest
 import torch
+from _asserts import assert_same_memory
 from _inputs.clutter import POST, START, TARGET, beaded_arm, policy
 from _inputs.reaching import DT, planar_arm, reach
 from torch import Tensor
@@ -76,3 +78,41 @@ def test_a_policy_without_places_is_refused() -> None:
             OtherPlaces(without)
     with pytest.raises(OptionError, match="count=0"):
         OtherPlaces(policy(), 0)
+    with pytest.raises(OptionError, match="policy=3: expected Policy"):
+        OtherPlaces(3)  # type: ignore[arg-type]
+
+
+def first_step(cost: Callable[[Mapping[str, Tensor]], Any]) -> dict[str, Tensor]:
+    """The memory after the first step, which rehearses three places for ten steps."""
+    rehearsal = Rehearsal(policy(), imagine, cost, NEAR, 10, OtherPlaces(policy(), 3))
+    seen = {"q": START, "target_position": TARGET, "obstacles": reading_of([POST], 2)}
+    _, memory = rehearsal.predict(seen)
+    return memory
+
+
+def test_a_way_whose_cost_is_no_number_hides_no_other_one() -> None:
+    def to_go_of_escapes(memory: Mapping[str, Tensor]) -> Tensor:
+        return torch.where(memory["a/escape/escaping"], to_go(memory), torch.nan)
+
+    assert first_step(to_go_of_escapes)["a/escape/escaping"]
+
+
+def test_a_cost_may_be_negative() -> None:
+    shift, ways = 1.7, OtherPlaces(policy(), 7)
+    seen = {"q": START, "target_position": TARGET, "obstacles": reading_of([POST], 2)}
+    below = Rehearsal(policy(), imagine, lambda memory: to_go(memory) - shift, -1.69, 40, ways)
+    above = Rehearsal(policy(), imagine, to_go, 0.01, 40, ways)
+    assert_same_memory(below.predict(seen)[1], above.predict(seen)[1], 0.0)
+
+
+@pytest.mark.parametrize("cost", [lambda _: 1.0, lambda memory: memory["x_ee"]])
+def test_a_cost_that_is_no_number_for_each_row_is_named(cost: Any) -> None:
+    with pytest.raises(OptionError, match=r"cost: expected a number for each row, \(4, 1\)"):
+        first_step(cost)
+
+
+def test_ways_of_another_policy_are_named() -> None:
+    navigation = make_policy("nav2d")
+    rehearsal = Rehearsal(navigation, imagine, to_go, NEAR, ways=OtherPlaces(policy()))
+    with pytest.raises(OptionError, match="ways: no key .* ends with '/escape/escaping'"):
+        rehearsal.predict({"bearing": [0.3], "range": [2.0]})

@@ -5,6 +5,7 @@ from typing import Any
 
 import torch
 from torch import Tensor
+from torch.masked import is_masked_tensor
 
 from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
@@ -112,8 +113,9 @@ def _check_sensors(declaration: Declaration, readings: Mapping[str, Tensor]) -> 
                 f"is_possible of Sensor {name!r} cannot be evaluated on readings "
                 f"{tuple(readings[name].shape)}: {error!r}"
             ) from error
-        if not isinstance(told, Tensor) or told.dtype != torch.bool or told.shape != BATCH:
-            got = f"{told.dtype} {tuple(told.shape)}" if isinstance(told, Tensor) else repr(told)
+        is_dense = isinstance(told, Tensor) and not is_masked_tensor(told)
+        if not is_dense or told.dtype != torch.bool or told.shape != BATCH:
+            got = f"{told.dtype} {tuple(told.shape)}" if is_dense else repr(told)
             raise GraphError(
                 f"is_possible of Sensor {name!r}: expected a flag for each row of the batch, "
                 f"torch.bool {BATCH}, got {got}."

@@ -16,3 +16,8 @@ def watched(dt: float, delay: int, gap: float | None) -> dict[str, Any]:
     if gap is not None:
         told |= {"max_age": latency + gap * dt, "max_gap": gap * dt}
     return told
+
+
+def prompt(dt: float, gap: float | None) -> dict[str, Any]:
+    """The same of readings that are never late, without a key for their age."""
+    return {} if gap is None else {"max_age": gap * dt}

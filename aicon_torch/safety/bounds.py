@@ -22,9 +22,10 @@ from aicon_torch.safety.probing import (
     is_box,
     is_going_on,
     probe_values,
+    read_by_gaps,
     without_rounding,
 )
-from aicon_torch.safety.rows import Rows, joined
+from aicon_torch.safety.rows import Rows, clamped, joined
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
 
@@ -360,7 +361,7 @@ def _unless_escaping(
     shortened: Tensor, action: Tensor, within: SafetyBounds, memory: Memory
 ) -> Tensor:
     """A shortened action ``(*B, n)``, unless a detour is made or a gap has to grow faster."""
-    shortened = torch.minimum(torch.maximum(shortened, within.low), within.high)
+    shortened = clamped(shortened, within)
     is_taken = ~memory["escaping"]
     if within.bounds.shape[-1] > 0:
         speeds = (within.slopes * shortened.unsqueeze(-2)).sum(-1)
@@ -425,13 +426,20 @@ def safety_memory(model: WorldModel) -> Memory:
 
 def _safety_goals(model: WorldModel) -> dict[str, list[Goal]]:
     """The safety goals that depend on each actuator on which one of them does."""
-    found: dict[str, list[Goal]] = {}
-    for actuator in model.actuators:
-        reached = _led_to(model, actuator)
-        goals = [goal for goal in model.goals.values() if goal.safety and goal.name in reached]
-        if goals:
-            found[actuator] = goals
-    return found
+    leading = {name: _led_to(model, name) for name in model.actuators}
+    found: defaultdict[str, list[Goal]] = defaultdict(list)
+    for goal in model.goals.values():
+        if not goal.safety:
+            continue
+
+        # One alone has to keep all gaps; of several, those on whose quantities no gap depends none.
+        actuators = [name for name in leading if goal.name in leading[name]]
+        if len(actuators) > 1:
+            read = read_by_gaps(goal, probe_values(model))
+            actuators = [name for name in actuators if read & leading[name]] or actuators
+        for name in actuators:
+            found[name].append(goal)
+    return {name: found[name] for name in model.actuators if name in found}
 
 
 def _led_to(model: WorldModel, actuator: str) -> set[str]:

@@ -1,10 +1,12 @@
 """What a safety goal is like, as a few random values of its model tell when that is built."""
 
 import warnings
+from collections.abc import Sequence
 
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import hop_from, pull
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -63,6 +65,29 @@ def check_gaps(goal: Goal, gaps: Tensor, slopes: Tensor) -> None:
             "clamp(min=0), or give it a method gaps.",
             stacklevel=2,
         )
+
+
+def read_by_gaps(goal: Goal, values: Values) -> set[str]:
+    """What the gaps of a goal depend on, of what its cost reads.
+
+    Args:
+        goal: The goal.
+        values: Some values, ``(4, …)``.
+    """
+    leaves = {name: hop_from(values[name]).requires_grad_() for name in goal.inputs}
+    with torch.enable_grad():
+        gaps = goal.gaps({**values, **leaves})
+    slopes: Sequence[Tensor | None] = [None] * len(leaves)
+    if gaps.requires_grad:
+        slopes = pull(gaps.sum(), list(leaves.values()), allow_unused=True)
+
+    # A gradient may be stopped where the value counts.
+    read = {name for name, slope in zip(leaves, slopes, strict=True) if slope is not None}
+    for name in goal.inputs:
+        elsewhere = goal.gaps({**values, name: values[name] + 1.0})
+        if not torch.allclose(elsewhere, gaps, rtol=0.0, atol=0.0, equal_nan=True):
+            read.add(name)
+    return read
 
 
 def is_going_on(by_action: Tensor, afterwards: Tensor) -> bool:

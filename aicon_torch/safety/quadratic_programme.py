@@ -45,6 +45,8 @@ def nearest_safe(
     Without a number of sweeps, it is found exactly (:mod:`aicon_torch.safety.active_set`). What no
     action keeps is then asked for as far as the retreat keeps it.
 
+    All leading dimensions broadcast.
+
     Args:
         nominal: w, ``(*B, n)``.
         within: The bounds.
@@ -57,6 +59,7 @@ def nearest_safe(
     Returns:
         The action and the force of the bounds.
     """
+    nominal, within = _of_one_batch(nominal, within, inverse, coming)
     rows, lengths = normalised(within)
     rest = clamped(torch.zeros_like(nominal), within)
     retreat = rest
@@ -76,6 +79,20 @@ def nearest_safe(
     if longest is not None:
         action = _shortened(action, retreat, longest)
     return SafeAction(action, force)
+
+
+def _of_one_batch(
+    nominal: Tensor, within: SafetyBounds, inverse: Tensor | None, coming: Tensor | None
+) -> tuple[Tensor, SafetyBounds]:
+    """The nominal action and its bounds with the leading dimensions ``*B`` of all there is."""
+    vectors = (nominal, within.bounds, within.low, within.high, coming)
+    shapes = [vector.shape[:-1] for vector in vectors if vector is not None]
+    shapes += [matrix.shape[:-2] for matrix in (within.slopes, inverse) if matrix is not None]
+    batch = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call]  # torch leaves it untyped
+
+    slopes, *sides = within
+    nominal, *sides = (vector.expand(*batch, -1) for vector in (nominal, *sides))
+    return nominal, SafetyBounds(slopes.expand(*batch, -1, -1), *sides)
 
 
 def _held(rest: Tensor, rows: Rows, coming: Tensor | None) -> Rows:

@@ -84,7 +84,6 @@ def keep_finite(
     Returns:
         The commands and the memory; a broken row keeps its old memory until its next reading.
     """
-    # The sum of what is finite, times zero, is zero.
     broken = torch.zeros_like(new[BEGINS])
     for value in (*commands.values(), *new.values()):
         if value.is_floating_point():

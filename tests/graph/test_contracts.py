@@ -7,6 +7,7 @@ import pytest
 import torch
 from _inputs.tracking import MOVE, match, tracked_point, tracking_model
 from torch import Tensor
+from torch.masked import masked_tensor
 
 from aicon_torch import (
     Affine,
@@ -118,10 +119,15 @@ NO_FUNCTIONS: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: seen_if(lambda z: z.sum(-1)),
         "is_possible of Sensor 'z': expected .*, got torch.float64",
     ),
+    "what can be, masked": (
+        lambda: seen_if(lambda z: masked_tensor(z[..., 0] > 0, z[..., 1] >= 0)),
+        "is_possible of Sensor 'z': expected .*, got MaskedTensor",
+    ),
     "what can be, misspelt": (lambda: seen_if(lambda z: z.summ()), "'z' cannot be evaluated.*summ"),
 }
 
 
+@pytest.mark.filterwarnings("ignore:The PyTorch API of MaskedTensors")
 @pytest.mark.parametrize(("make", "told"), NO_FUNCTIONS.values(), ids=NO_FUNCTIONS.keys())
 def test_what_is_no_function_is_named(make: Callable[[], Any], told: str) -> None:
     assert seen_if(lambda z: z[..., 0] > 0).sensors["z"].size == 2

@@ -1,12 +1,13 @@
 """Options of a wrong kind are named before anything is built of them."""
 
+import re
 from typing import Any
 
 import pytest
 import torch
 from _inputs.reaching import planar_arm
 
-from aicon_torch import Actuator, Policy, make_policy
+from aicon_torch import Actuator, OptionError, Policy, make_policy
 from aicon_torch.dampers import VelocityDampers
 from aicon_torch.errors import AiconError
 
@@ -29,6 +30,47 @@ def test_an_option_of_a_wrong_kind_is_named(option: dict[str, Any]) -> None:
     (name,) = option
     with pytest.raises(AiconError, match=f"{name.removeprefix('dampers.')}="):
         make_policy("reach", robot=planar_arm(), **option)
+
+
+FLAGS = {
+    "nav2d": ["watchdog"],
+    "reach": ["watchdog", "safety"],
+    "arm_push": ["watchdog", "touch", "camera.background"],
+    "pusht": [
+        *("watchdog", "observe_goal", "compensate_lag"),
+        *("estimation", "likelihood_path", "position_path"),
+    ],
+}
+
+
+@pytest.mark.parametrize("value", [None, "off", 0, 0.5])
+@pytest.mark.parametrize(("model", "names"), FLAGS.items(), ids=FLAGS.keys())
+def test_what_is_on_or_off_is_true_or_false(model: str, names: list[str], value: Any) -> None:
+    for name in names:
+        told = f"{name.removeprefix('camera.')}={value!r}: expected bool, such as True"
+        with pytest.raises(OptionError, match=re.escape(told)):
+            make_policy(model, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("model", "option"),
+    [
+        ("pusht", {"contact": None}),
+        ("pusht", {"picture": 3}),
+        ("reach", {"axis": 3.0}),
+        ("reach", {"axis": "z"}),
+        ("arm_push", {"contact": 0.2}),
+        ("arm_push", {"camera": None}),
+        ("arm_push", {"law": None}),
+        ("arm_push", {"upright_tolerance": "a"}),
+        ("arm_push", {"expected_place": (0.5,)}),
+    ],
+    ids=str,
+)
+def test_a_part_of_a_wrong_kind_is_named(model: str, option: dict[str, Any]) -> None:
+    (name,) = option
+    with pytest.raises(OptionError, match=f"{name}="):
+        make_policy(model, **option)
 
 
 @pytest.mark.parametrize("dampers", [None, 0.2])

@@ -3,10 +3,11 @@ import pytest
 import torch
 from _inputs import normal
 from _inputs.random_numbers import BATCHES
-from _inputs.safety_bounds import closing, random_bounds
+from _inputs.safety_bounds import closing, random_bounds, random_metric
 from scipy.optimize import linprog
+from torch import Tensor
 
-from aicon_torch.safety import SafetyBounds, nearest_safe
+from aicon_torch.safety import SafeAction, SafetyBounds, nearest_safe
 
 
 def test_a_safe_wish_stays_as_it_is() -> None:
@@ -88,6 +89,23 @@ def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
     for row, expected in enumerate(action.reshape(-1, 4)):
         single = SafetyBounds(*(value[row] for value in flat))
         found, _ = nearest_safe(nominal.reshape(-1, 4)[row], single, sweeps=4)
+        torch.testing.assert_close(found, expected)
+
+
+@pytest.mark.parametrize("sweeps", [4, None])
+@pytest.mark.parametrize("batched", ["nominal", "slopes", "bounds", "high", "inverse", "coming"])
+def test_the_leading_dimensions_of_one_are_those_of_all(batched: str, sweeps: int | None) -> None:
+    bounds, coming = normal(6, 5, seed=1), normal(6, 5, seed=2).abs()
+    within = random_bounds(6)._replace(bounds=0.3 * bounds)
+    given = {**within._asdict(), "nominal": 5 * normal(6, 4, seed=9), "coming": coming}
+    given["inverse"] = random_metric(6)
+
+    def nearest(nominal: Tensor, inverse: Tensor, coming: Tensor, **bounds: Tensor) -> SafeAction:
+        return nearest_safe(nominal, SafetyBounds(**bounds), sweeps, inverse, coming=coming)
+
+    alone = {name: value if name == batched else value[0] for name, value in given.items()}
+    whole = {name: value.expand_as(given[name]) for name, value in alone.items()}
+    for found, expected in zip(nearest(**alone), nearest(**whole), strict=True):
         torch.testing.assert_close(found, expected)
 
 

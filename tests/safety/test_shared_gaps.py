@@ -1,16 +1,17 @@
 """Actuators that share a safety goal share what its gaps may close."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import pytest
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from aicon_torch import (
     Actuator,
     Affine,
     Deterministic,
     Goal,
+    GraphError,
     KalmanFilter,
     Measurement,
     Policy,
@@ -42,7 +43,26 @@ def between(left: Tensor, right: Tensor) -> Tensor:
     return left[..., 0] + right[..., 0] - ROOM
 
 
-def carriages(dt: float, braking: float, directly: bool = False) -> Policy:
+class LeftOfTheMiddle(nn.Module):
+    """The left carriage stays on its side, wherever the other one is; which may be noted."""
+
+    def __init__(self, notes: Callable[[Tensor], Tensor] = torch.zeros_like) -> None:
+        super().__init__()
+        self.notes = notes
+
+    def forward(self, left: Tensor, right: Tensor) -> Tensor:
+        return left[..., 0] - ROOM / 2 + 0.0 * right[..., 0]
+
+    def gaps(self, left: Tensor, right: Tensor) -> Tensor:
+        return ROOM / 2 - left + self.notes(right)
+
+
+def carriages(
+    dt: float,
+    braking: float,
+    directly: bool = False,
+    keeps: Callable[..., Tensor] = between,
+) -> Policy:
     """Two of them, each of which wants to go 5 m."""
     names, dampers = ("left", "right"), VelocityDampers(braking=braking, escape=None)
     model = WorldModel(
@@ -52,7 +72,7 @@ def carriages(dt: float, braking: float, directly: bool = False) -> Policy:
         goals=[
             Goal("far_left", lambda left: (left[..., 0] - 5.0).abs()),
             Goal("far_right", lambda right: (right[..., 0] - 5.0).abs()),
-            Goal("between", between, safety=True),
+            Goal("between", keeps, safety=True),
         ],
         dt=dt,
         dtype=torch.float64,
@@ -85,3 +105,19 @@ def test_they_do_not_meet_where_one_of_them_is_stuck() -> None:
     found = gaps(carriages(0.1, 0.15), 0.1, {"left": False, "right": True})
     assert min(found) > -1e-9
     assert found[-1] < 0.05
+
+
+def test_gaps_that_read_one_of_two_bound_that_one_as_if_it_were_alone() -> None:
+    def of_left(left: Tensor) -> Tensor:
+        return left[..., 0] - ROOM / 2
+
+    readings = {f"z_{name}": torch.tensor([0.4], dtype=torch.float64) for name in ("left", "right")}
+    found, memory = carriages(0.1, 0.15, keeps=LeftOfTheMiddle()).predict(readings)
+    expected, same = carriages(0.1, 0.15, keeps=of_left).predict(readings)
+    assert 0.0 < found["v_left"] < 0.5 < found["v_right"]
+    assert found == expected and memory.keys() == same.keys()
+
+
+def test_gaps_that_read_the_other_one_without_a_gradient_are_refused() -> None:
+    with pytest.raises(GraphError, match="'between': its gaps do not depend on .* 'v_right'"):
+        carriages(0.1, 0.15, keeps=LeftOfTheMiddle(Tensor.detach))

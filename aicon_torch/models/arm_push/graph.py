@@ -23,7 +23,7 @@ from aicon_torch.models.arm_push.options import Options
 from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS, SEEN_AGE, CameraPerception
 from aicon_torch.models.arm_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.arm_push.scene import Scene
-from aicon_torch.models.watched import watched
+from aicon_torch.models.watched import prompt, watched
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.joint_limits import JointLimits
@@ -84,18 +84,17 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
     # What the watchdog asks: how old a reading may be, how long there may be none, and how fast one
     # may change.
-    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
-    prompt: dict[str, Any] = {}
+    gap = MAX_GAP if options.watchdog else None
+    late = watched(options.dt, options.delay, gap)
     moving = dict(late)
     if options.watchdog:
-        prompt = {"max_age": MAX_GAP * options.dt}
         moving |= {"rate_limit": JUMP * float(options.robot.chain.speed.max()), "driven_by": "a"}
 
     # Always: the time, the encoders and the target.
     sensors = {
         "z_elapsed": clock(),
         "z_joints": Sensor(len(options.robot.chain.names), "rad", key="q", range=TURNS, **moving),
-        "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS, **prompt),
+        "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS, **prompt(options.dt, gap)),
     }
 
     # The object's pose, told ...

@@ -18,6 +18,7 @@ from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath
 from aicon_torch.validation import (
     check_choice,
     check_count,
+    check_instance,
     check_not_negative,
     check_positive,
     numbers,
@@ -95,6 +96,7 @@ class CameraOptions:
         check_positive(self, ("noise",))
         check_not_negative(self, ("edge_growth", "trace_weight", "trace_tolerance"))
         check_choice(self, "steering", get_args(Steering))
+        check_instance(self, ("background",), bool, "True")
 
 
 @dataclass(frozen=True)
@@ -192,6 +194,14 @@ class Options:
         check_positive(self, ("dt", "pose_noise", "drift", "height", "lever", "damping"))
         check_not_negative(self, ("height_tolerance", "stick_friction"))
         numbers("pose_offset", self.pose_offset, 3)
+        numbers("expected_place", self.expected_place, 2)
+        if self.upright_tolerance is not None:
+            check_not_negative(self, ("upright_tolerance",))
+        check_count(self, ("delay",), "number of steps")
+        check_instance(self, ("law",), ActionLaw, "Foresight()")
+        check_instance(self, ("camera",), CameraOptions, "CameraOptions()")
+        check_instance(self, ("contact",), ContactOptions, "ContactOptions(size=0.2)")
+        check_instance(self, ("touch", "watchdog"), bool, "True")
 
         # What takes a sentence of its own.
         if not isinstance(self.robot, PushingRobot):
@@ -199,7 +209,6 @@ class Options:
                 f"robot={self.robot!r}: expected a PushingRobot, such as "
                 "PushingRobot.from_description(env.unwrapped.description())."
             )
-        check_count(self, ("delay",), "number of steps")
 
 
 PRESETS: Mapping[str, Mapping[str, Any]] = {

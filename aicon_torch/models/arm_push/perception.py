@@ -77,7 +77,8 @@ class CameraPerception:
             All but the images, with ``z_keypoints`` ``(*B, 3K)`` and ``z_blob`` ``(*B, 3)``, m.
 
         Raises:
-            ObservationError: If an image, its age or the joints are missing.
+            ObservationError: If an image, its age or the joints are missing, or are of another
+                shape, or the colours are no bytes.
         """
         see = self.begin(observation, values, starts)
         return self.readings(None if see is None else see(), observation)
@@ -89,7 +90,7 @@ class CameraPerception:
         starts: Mask | None,
     ) -> Callable[[], Seen] | None:
         """The reading of the new images, which takes milliseconds; None if there are none."""
-        _check_present(observation)
+        self._check(observation)
         joints = np.asarray(observation["q"])
         age = np.asarray(observation["image_age"])[..., 0]
 
@@ -202,6 +203,26 @@ class CameraPerception:
         camera: Array = tool @ self.mount
         return camera
 
+    def _check(self, observation: Mapping[str, Any]) -> None:
+        """Check that an observation has all that is read here, in the shape of the camera."""
+        _, _, _, width, height = self.registration.intrinsics
+        image, joints = (round(height), round(width)), (len(self.chain.names),)
+        shapes = {"rgb": (*image, 3), "depth": image, "image_age": (1,), "q": joints, "dq": joints}
+        for key in shapes:
+            if key not in observation:
+                valid = choices(observation)
+                raise ObservationError(f"the observation has no {key!r}; it has {valid}.")
+
+        batch = np.shape(observation["q"])[:-1]
+        for key, shape in shapes.items():
+            expected, got = (*batch, *shape), tuple(np.shape(observation[key]))
+            if got != expected:
+                raise ObservationError(f"{key!r}: expected shape {expected}, got {got}.")
+
+        dtype = np.asarray(observation["rgb"]).dtype
+        if dtype != np.uint8:
+            raise ObservationError(f"'rgb': expected uint8, 0 to 255, got {dtype}.")
+
     @staticmethod
     def _is_new(age: NDArray[Any], values: Mapping[str, Tensor] | None, forgotten: Mask) -> Mask:
         """Which images ``(*B,)`` are new: one that was read before is older than it was then."""
@@ -210,14 +231,6 @@ class CameraPerception:
         if values is not None:
             new |= age < values["z_age"].numpy(force=True)[..., 0]
         return new
-
-
-def _check_present(observation: Mapping[str, Any]) -> None:
-    """Check that an observation has all that is read here."""
-    for key in (*IMAGES, "image_age", "q", "dq"):
-        if key not in observation:
-            valid = choices(observation)
-            raise ObservationError(f"the observation has no {key!r}; it has {valid}.")
 
 
 def _in_frame(frame: Array, points: Array) -> Array:

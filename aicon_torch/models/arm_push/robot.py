@@ -3,9 +3,11 @@
 A test compares its numbers with those that the physics use.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.camera import Intrinsics
@@ -14,6 +16,7 @@ from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.joint_product import Transform
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import FREE_LINKS, Capsule, distant_pairs
+from aicon_torch.validation import check_not_negative, check_positive, numbers
 
 JOINTS = ("frames", "low", "high", "speed")
 """What a description says of each joint, besides its axis: z by default."""
@@ -39,6 +42,9 @@ class PushingRobot(Robot):
         reach: Distance of the tip from the axis of the base where the arm is straight and the stick
             upright, m.
         nearest: Least distance of the tip from that axis where the stick is upright, m.
+
+    Raises:
+        OptionError: If a length or the mass is none.
     """
 
     shape: Capsules
@@ -49,6 +55,11 @@ class PushingRobot(Robot):
     tool_mass: float
     reach: float
     nearest: float
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self, ("stick_length", "stick_radius", "reach"))
+        check_not_negative(self, ("tool_mass", "nearest"))
 
     @classmethod
     def from_description(cls, description: Mapping[str, Any]) -> "PushingRobot":
@@ -65,9 +76,12 @@ class PushingRobot(Robot):
         Raises:
             FileNotFoundError: If a file or mesh is missing.
             ModuleNotFoundError: If an extra package is missing.
-            OptionError: If something is missing or unknown, or is not there for each joint.
+            OptionError: If something is missing or unknown, is not there for each joint, or is no
+                number or transform.
         """
         _check_names(description)
+        _check_transforms(description)
+        numbers("intrinsics", description["intrinsics"], 5)
         count = len(description["frames"])
         axes = description.get("axes") or ((0.0, 0.0, 1.0),) * count
         _check_count({**description, "axes": axes}, count)
@@ -100,10 +114,25 @@ def _check_names(description: Mapping[str, Any]) -> None:
         )
 
 
+def _check_transforms(description: Mapping[str, Any]) -> None:
+    """Check that what places a link, the tool or the camera does so."""
+    for name, depth in (("frames", 3), ("tool", 2), ("camera", 2)):
+        try:
+            given = np.array(description[name], dtype=np.float64)
+        except (TypeError, ValueError):  # no numbers, or not as many in each row
+            given = np.empty(0)
+        is_whole = given.ndim == depth and given.shape[-2:] in ((3, 4), (4, 4))
+        if not is_whole or not np.isfinite(given).all():
+            raise OptionError(
+                f"robot.{name}={description[name]!r}: expected three rows of four finite numbers"
+                + (" for each joint." if name == "frames" else ".")
+            )
+
+
 def _check_count(description: Mapping[str, Any], count: int) -> None:
     """Check that all of it is given for every joint."""
     for name in (*JOINTS, "axes"):
-        given = len(description[name])
+        given = len(description[name]) if isinstance(description[name], Sized) else 0
         if given != count:
             raise OptionError(
                 f"robot.{name} has {given} of them: expected {count}, as robot.frames."

@@ -40,9 +40,6 @@ LAG = 0.01
 DRIFT = 0.001
 """Of what nothing moves, in a step, m."""
 
-Moves = Callable[[Tensor, Tensor, Tensor, Tensor, Tensor], Tensor]
-"""How a block moves, as :class:`~aicon_torch.parts.grasp.Carrying`."""
-
 DEFAULTS, NOTHING_ELSE = Options(), Surroundings()
 
 
@@ -198,16 +195,10 @@ def block(
 
     # 1. Where it is, and where the tip is from it: a bar is alike after half a turn, a block after
     # a quarter.
-    if handle is None:
-        known = [
-            place_of(name, carried, size, options),
-            tip_from(name, approached, size, options, options.size),
-        ]
-    else:
-        known = [
-            place_of(name, handle.carried, size, options),
-            tip_from(name, handle.approached, size, options, 2 * options.size),
-        ]
+    goes, comes, side = carried, approached, options.size
+    if handle is not None:
+        goes, comes, side = handle.carried, handle.approached, 2 * options.size
+    known = [place_of(name, goes, size, options), tip_from(name, comes, size, options, side)]
 
     # 2. How likely it comes to be held; a hand that is about another comes to hold no more.
     grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
@@ -217,14 +208,14 @@ def block(
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
     if handle is None:
         free = Deterministic(p_free, Interconnection(carrying.free, [x_object]))
-        moves = carrying if options.grasp_path else without_grasp(carrying)
+        moves: Callable[..., Tensor] = carrying if options.grasp_path else without_grasp(carrying)
         moved = Deterministic(f"x_obj{name}", Interconnection(moves, moved_by))
         return [*known, grasped, free, moved]
     moved = Deterministic(f"x_obj{name}", Interconnection(handle, [*moved_by, f"z_way{name}"]))
     return [*known, grasped, moved]
 
 
-def without_grasp(carrying: Carrying) -> Moves:
+def without_grasp(carrying: Carrying) -> Callable[..., Tensor]:
     """What moves a block that is held already: no path leads over the grasp that is to come."""
 
     def moves(

@@ -9,7 +9,7 @@ from torch import Tensor
 from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_NOISE, WORKSPACE
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.models.pusht.picture import SEEN
-from aicon_torch.models.watched import watched
+from aicon_torch.models.watched import prompt, watched
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.servo import PositionTarget, Servo
@@ -33,7 +33,8 @@ BEND = 3.0 * PIXEL
 
 def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     """What is read, px in m; pusher and object may be out of sight for a while."""
-    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
+    gap = MAX_GAP if options.watchdog else None
+    late = watched(options.dt, options.delay, gap)
     seen = {"optional": True, "scale": PIXEL, "range": BOARD, **late}
     size = 2 * len(body.keypoints)
 
@@ -54,10 +55,8 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
         found["z_elapsed"] = clock()
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
-        prompt: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
-        found["z_target"] = Sensor(
-            3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **prompt
-        )
+        now = prompt(options.dt, gap)
+        found["z_target"] = Sensor(3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **now)
     return found
 
 

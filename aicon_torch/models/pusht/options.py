@@ -15,6 +15,7 @@ from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath
 from aicon_torch.validation import (
     check_choice,
     check_count,
+    check_instance,
     check_not_negative,
     check_positive,
     numbers,
@@ -97,6 +98,9 @@ class Options:
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)
         check_count(self, ("delay",), "number of steps")
+        check_instance(self, ("contact",), ContactOptions, "ContactOptions(size=0.1)")
+        check_instance(self, ("observe_goal", "compensate_lag", "estimation"), bool, "True")
+        check_instance(self, ("watchdog", "likelihood_path", "position_path"), bool, "True")
         if self.picture_noise is not None:
             check_positive(self, ("picture_noise",))
         if self.picture is not None and (self.keypoint_offset or self.delay):

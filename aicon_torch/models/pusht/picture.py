@@ -5,6 +5,7 @@ One heatmap for each corner of the object; where it is, is the mean of the softm
 and what the picture shows tell the variances, with which the pose is a measurement like any other.
 """
 
+import pickle
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from aicon_torch.errors import OptionError
+from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.models.pusht.benchmark import WORKSPACE
 from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
@@ -153,8 +154,12 @@ class PicturePerception:
         """
         network = PoseNetwork(body)
         try:
-            network.load_state_dict(torch.load(path, map_location="cpu", weights_only=True))
-        except (OSError, RuntimeError, KeyError, ValueError) as error:
+            weights = torch.load(Path(path), map_location="cpu", weights_only=True)
+            network.load_state_dict(weights)
+        except (
+            *(OSError, EOFError, pickle.UnpicklingError),  # no file, or none of tensors
+            *(RuntimeError, KeyError, ValueError, TypeError),  # or of others
+        ) as error:
             raise OptionError(
                 f"picture={str(path)!r}: no weights of such a network. {error}"
             ) from error
@@ -167,8 +172,20 @@ class PicturePerception:
         values: Mapping[str, Tensor] | None,
         starts: NDArray[np.bool_] | None,
     ) -> Mapping[str, Any]:
-        """The observation with ``seen`` ``(*B, 6)`` in place of ``pixels`` ``(*B, h, w, 3)``."""
-        pictures = torch.as_tensor(np.asarray(observation["pixels"]))
+        """The observation with ``seen`` ``(*B, 6)`` in place of ``pixels`` ``(*B, h, w, 3)``.
+
+        Raises:
+            ObservationError: If there are no pixels, or they are no pictures.
+        """
+        if "pixels" not in observation:
+            raise ObservationError(f"no 'pixels' in the observation: {choices(observation)}.")
+        pixels = np.ascontiguousarray(observation["pixels"])
+        if pixels.dtype != np.uint8 or pixels.ndim < 3 or pixels.shape[-1] != 3:
+            raise ObservationError(
+                "'pixels': expected pictures (*batch, height, width, 3) of uint8, 0 to 255, got "
+                f"{pixels.dtype} {pixels.shape}."
+            )
+        pictures = torch.as_tensor(pixels)
         batch = pictures.shape[:-3]
 
         # Observations have colours last, from 0 to 255, networks first, from 0 to 1.

@@ -1,12 +1,10 @@
 """Estimators of the pusher: where it is and how fast."""
 
-import torch
-from torch import Tensor
-
 from aicon_torch.estimation import EKF, Estimator, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine
 from aicon_torch.models.pusht.benchmark import PIXEL, PRIOR_DEVIATION, PROCESS_NOISE, PUSHER_NOISE
 from aicon_torch.models.pusht.options import Options
+from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.servo import PusherMotion, Servo
 
 UNFILTERED_VARIANCE = 1e-9 * PIXEL**2
@@ -23,12 +21,6 @@ def motion_in_step(options: Options, servo: Servo) -> PusherMotion:
     return PusherMotion(servo if options.command == "position" else None)
 
 
-def first_position(z_pusher: Tensor) -> tuple[Tensor, Tensor]:
-    """The prior at the first reading: mean ``(*B, 2)``, m, and covariance ``(2, 2)``, m²."""
-    identity = torch.eye(2, dtype=z_pusher.dtype, device=z_pusher.device)
-    return z_pusher, PRIOR_DEVIATION**2 * identity
-
-
 def _position(options: Options) -> EKF:
     """The position as it is read."""
     variance = PUSHER_NOISE**2 if options.estimation else UNFILTERED_VARIANCE
@@ -41,7 +33,7 @@ def _position(options: Options) -> EKF:
         moved_by={"a": 2, "dt": 1},
         predict=Affine(x_pusher=1.0, a="dt"),
         noise=PROCESS_NOISE**2,
-        initial=first_position,
+        initial=first_belief(ReadingPrior((PRIOR_DEVIATION**2,) * 2), "z_pusher"),
         size=2,
         correct=[Measurement(agreement, variance, size=2)],
     )

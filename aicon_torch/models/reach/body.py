@@ -12,6 +12,7 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.reach.options import Options
+from aicon_torch.models.watched import prompt
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.encoders import joint_filter
 from aicon_torch.parts.hinge import SquaredHinge
@@ -138,10 +139,7 @@ def body(robot: Robot) -> Deterministic:
 
 def watched(options: Options) -> dict[str, Any]:
     """What every sensor has: a range, and with the watchdog an age from which on the arm slows."""
-    checks: dict[str, Any] = {"range": ANYWHERE}
-    if options.watchdog:
-        checks["max_age"] = MAX_GAP * options.dt
-    return checks
+    return {"range": ANYWHERE, **prompt(options.dt, MAX_GAP if options.watchdog else None)}
 
 
 def joint_sensor(options: Options, robot: Robot) -> Sensor:

@@ -19,6 +19,7 @@ from aicon_torch.validation import (
     check_instance,
     check_not_negative,
     check_positive,
+    numbers,
 )
 
 
@@ -101,6 +102,8 @@ class Options:
         check_positive(self, [name for name in optional if getattr(self, name) is not None])
         margins = ("joint_limits", "self_collision")
         check_instance(self, margins, SquaredHinge, "SquaredHinge(0.02, 1.0)")
+        check_instance(self, ("safety", "watchdog"), bool, "True")
+        numbers("axis", self.axis, 3)
 
 
 # Limits as goals like any other need wider margins; these were the best of a search.

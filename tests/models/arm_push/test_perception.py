@@ -19,6 +19,7 @@ class Found:
     """A registration that finds the object at a pose, and remembers what it was asked."""
 
     corners = np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]])
+    intrinsics = PANDA.intrinsics
 
     def __init__(self, score=1.0):
         self.score, self.images, self.priors = score, [], []
@@ -143,6 +144,28 @@ def test_what_is_missing_is_named(key):
     del observation[key]
     with pytest.raises(ObservationError, match=f"has no '{key}'"):
         PERCEPTION(observation, None, None)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("rgb", np.zeros((3, 120, 160), np.uint8)),
+        ("rgb", np.zeros((60, 80, 3), np.uint8)),
+        ("depth", np.ones((120, 160, 1), np.float32)),
+        ("image_age", 0.0),
+        ("q", np.zeros(6)),
+        ("dq", None),
+    ],
+)
+def test_what_has_another_shape_is_named(key, value):
+    with pytest.raises(ObservationError, match=f"'{key}': expected shape"):
+        PERCEPTION({**camera_observation(), key: value}, None, None)
+
+
+def test_colours_that_are_no_bytes_are_named():
+    colours = np.ones((120, 160, 3), np.float32)
+    with pytest.raises(ObservationError, match=r"'rgb': expected uint8, 0 to 255, got float32"):
+        PERCEPTION({**camera_observation(), "rgb": colours}, None, None)
 
 
 def test_unseen_the_object_becomes_uncertain_and_the_policy_goes_on():

@@ -108,6 +108,16 @@ def test_joints_turn_about_their_axes():
         ({"payload": 3.0}, "description of the robot has 'payload': expected 'frames', 'low'"),
         ({"low": (-1.0,)}, "robot.low has 1 of them: expected 2, as robot.frames"),
         ({"axes": ((0.0, 0.0, 1.0),)}, "robot.axes has 1 of them: expected 2"),
+        ({"high": 1.0}, "robot.high has 0 of them: expected 2, as robot.frames"),
+        ({"frames": 2}, "robot.frames=2: expected three rows of four finite numbers for each"),
+        ({"tool": ROWS[:2]}, "expected three rows of four finite numbers."),
+        ({"camera": "hand"}, "robot.camera='hand': expected three rows of four finite numbers."),
+        ({"camera": np.full((4, 4), np.nan)}, "expected three rows of four finite numbers."),
+        ({"intrinsics": (80.0, 1.0)}, "intrinsics=(80.0, 1.0): expected 5 finite numbers"),
+        ({"stick_length": np.nan}, "stick_length=nan: expected 1 finite number"),
+        ({"stick_radius": -0.01}, "stick_radius=-0.01: expected a positive number"),
+        ({"tool_mass": "heavy"}, "tool_mass='heavy': expected 1 finite number"),
+        ({"nearest": -1.0}, "nearest=-1.0: expected a number >= 0"),
     ],
 )
 def test_what_a_description_lacks_is_named(changes, message):

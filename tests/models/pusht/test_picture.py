@@ -1,13 +1,14 @@
 """What a network sees in a picture is a measurement with variances of its own."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from _inputs.pushing import body_of, poses
 
-from aicon_torch import OptionError, Policy, make_policy
+from aicon_torch import ObservationError, OptionError, Policy, make_policy
 from aicon_torch.models.pusht.picture import PoseNetwork
 from aicon_torch.parts.planar import pose_error
 
@@ -91,9 +92,37 @@ def test_a_corner_that_is_unsure_counts_less() -> None:
 
 def test_weights_of_something_else_are_an_error(tmp_path: Path) -> None:
     torch.save({"layer.weight": torch.zeros(2)}, tmp_path / "other.pt")
-    for path in (tmp_path / "other.pt", tmp_path / "none.pt"):
+    torch.save(torch.zeros(2), tmp_path / "tensor.pt")
+    (tmp_path / "empty.pt").touch()
+    (tmp_path / "bytes.pt").write_bytes(bytes(range(256)))
+    for name in ("other", "none", "tensor", "empty", "bytes"):
+        path = tmp_path / f"{name}.pt"
         with pytest.raises(OptionError, match="no weights of such a network"):
             make_policy("pusht", picture=path)
+
+
+WHITE = np.full((96, 96, 3), 255, np.uint8)
+
+
+@pytest.mark.parametrize(
+    "pixels",
+    [None, "pixels", WHITE / 255.0, WHITE[..., 0], WHITE.transpose(2, 0, 1)],
+    ids=["none", "a word", "shares", "grey", "colours first"],
+)
+def test_what_is_no_picture_is_named(policy: Policy, pixels: Any) -> None:
+    seen = {"agent_pos": np.full(2, 256.0)}
+    with pytest.raises(ObservationError, match="'pixels': expected pictures"):
+        policy.predict({**seen, "pixels": pixels})
+    with pytest.raises(ObservationError, match="no 'pixels' in the observation: 'agent_pos'"):
+        policy.predict(seen)
+
+
+def test_a_picture_that_is_a_view_is_seen_alike(policy: Policy) -> None:
+    picture = np.random.default_rng(0).integers(0, 256, (96, 96, 3)).astype(np.uint8)
+    seen = {"agent_pos": np.full(2, 256.0)}
+    expected, _ = policy.predict({**seen, "pixels": picture})
+    found, _ = policy.predict({**seen, "pixels": picture[::-1].copy()[::-1]})
+    np.testing.assert_array_equal(found, expected)
 
 
 def test_a_picture_is_prompt() -> None:
