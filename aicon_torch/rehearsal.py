@@ -1,4 +1,4 @@
-"""Rehearsal: before a policy goes one of several ways, all of them are tried on a model."""
+"""Rehearsal: before a policy takes one of several ways, all of them are tried on a model."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -21,10 +21,11 @@ Readings = Mapping[str, Tensor]
 
 
 class Rehearsal:
-    """A policy that tries several ways on a model where it is to decide, and goes the best one.
+    """A policy that tries several ways on a model where there is a choice, and takes the best one.
 
-    There the same policy is first run on a model, from where it is, on each of its ways, side by
-    side. It goes the one that arrives in the fewest steps, or comes nearest where none does.
+    At a choice the same policy is first run on a model, from where it is, along each way, side by
+    side. It takes the way that arrives in the fewest steps, or, where none arrives, the one that
+    comes nearest.
 
     - :class:`aicon_torch.ways.WaysAlong`: exploration goes on as the quantity moved before (Sect.
       "Escaping Local Minima"), however far around that leads; the others are to turn around, and
@@ -32,8 +33,8 @@ class Rehearsal:
     - :class:`aicon_torch.ways.OtherPlaces`: an arm that obstacles hold up goes to one place after
       the other; each way begins with another one.
 
-    It anticipates, which the paper's policy does not: it is an option, and none of the policies
-    that are shipped has it. What happens after the model's first error is up to the law, which acts
+    It anticipates, which the paper's policy does not: it is an option that none of the shipped
+    policies uses. What happens after the model's first error is up to the law, which acts
     on true readings as ever.
 
     It is a policy like any other, whose memory is that of the one within.
@@ -46,9 +47,10 @@ class Rehearsal:
         cost: Of the memory that the policy returns, which has readings and estimates, ``(*B,)``:
             how far they are from what is wanted.
         enough: The cost at which it has arrived.
-        steps: How far it looks ahead at most.
-        ways: What it decides among; the ways along the nullspace by default.
-        rounds: How often it looks for a way that arrives, before it takes what comes nearest.
+        steps: How many steps it looks ahead at most.
+        ways: What it chooses among; the ways along the nullspace by default.
+        rounds: How often it looks for a way that arrives before it takes the one that comes
+            nearest.
 
     Raises:
         OptionError: If it looks no step ahead, there are no ways to decide among, or an argument is
@@ -108,7 +110,7 @@ class Rehearsal:
         return self.policy.explain(memory, row)
 
     def _better_way(self, observation: Mapping[str, Any], memory: Memory, begins: Tensor) -> Memory:
-        """The memory with the best way in the rows in which it decides."""
+        """The memory, which goes on along the best way in the rows where there is a choice."""
         after = {name: value.clone() for name, value in memory.items()}
         fewest = torch.full_like(begins, torch.inf, dtype=torch.float64)
 
@@ -142,7 +144,7 @@ class Rehearsal:
         another that grows with how far off it stayed.
 
         Args:
-            seen: What is read where it decides, ``(n, size)``.
+            seen: What is read where there is a choice, ``(n, size)``.
             shared: What else the observation has.
             memory: The memories with which the ways begin, ``(k, n, …)``.
         """

@@ -174,10 +174,8 @@ class Shield:
 
     def compile(self) -> "Shield":
         """The same shield with its step compiled: see :meth:`aicon_torch.Policy.compile`."""
-        compiled = object.__new__(Shield)
-        compiled.inner, compiled._state = self.inner, None
-        compiled._keys = self._keys
-        compiled.policy = self.policy.compile()
+        compiled = copy.copy(self)
+        compiled.policy, compiled._state = self.policy.compile(), None
         return compiled
 
     def export(self, path: str | Path, target: str | None = None, **description: str) -> None:

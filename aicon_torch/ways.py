@@ -51,11 +51,11 @@ class Ways(Protocol):
 class WaysAlong:
     """Where a quantity explores: onward as it moved before, turned around, or no longer.
 
-    It is decided where it begins to explore, and now and then while it does.
+    It is decided when exploration begins, and every so many steps while it lasts.
 
     Args:
         policy: The policy.
-        every: In how many steps it is decided anew.
+        every: Number of these steps.
 
     Raises:
         OptionError: If it is none, explores nowhere, or is to decide in less than one step.
@@ -88,10 +88,11 @@ class WaysAlong:
 
 
 class OtherPlaces:
-    """At the beginning, and where an actuator is held up: on, or first to another place.
+    """At the beginning, and where an actuator is held up: go on, or go to another place first.
 
-    Each way goes to a place of its own of the sequence that the actuator would go to one by one
-    (:class:`aicon_torch.safety.places.Places`), and then the policy goes on as ever.
+    The actuator would go to the places of a sequence one by one
+    (:class:`aicon_torch.safety.places.Places`). Each way begins with another one of them, and then
+    the policy goes on as ever.
 
     Args:
         policy: The policy.

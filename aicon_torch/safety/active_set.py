@@ -16,14 +16,13 @@ MISSED = 1e-5
 component that the action has had: less is left to rounding."""
 
 DEPENDENT = 1e-12
-"""What is left of the square of a row beside those that are active, as a share of it, if it depends
-on them."""
+"""A row depends on the active ones if they leave no more of its square than this share."""
 
 FALLS = 1e-10
-"""How fast a multiplier falls at least, so that it may come to zero."""
+"""A multiplier that falls more slowly than this never comes to zero."""
 
 MOST = 200
-"""Rows that are taken up at most; there is an end in exact arithmetic."""
+"""Rows that are taken up at most. In exact arithmetic the method ends by itself."""
 
 Array = NDArray[np.float64]
 

@@ -30,7 +30,7 @@ from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
 
 FARTHEST = 1e9
-"""A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
+"""A gap larger than this, in its unit, may close at any speed: there may be no limit at all."""
 
 NEGLIGIBLE = 1e-6
 """A change of a gap, in its unit, or in its unit a second, that counts as none."""
@@ -301,7 +301,8 @@ class ActuatorSafety:
         with torch.enable_grad():
             resting = self._at_rest(goal, copies)
             action = resting[self.actuator].requires_grad_()
-            gaps = self._gap_ahead(goal, resting, gap_of_copy)
+            ahead = self._foreseen(goal, resting)  # every estimate once, for all gaps
+            gaps = goal.gap(ahead, gap_of_copy).clamp(max=FARTHEST)
             slopes: Tensor | None = None
             if gaps.requires_grad:
                 (slopes,) = pull(gaps.sum(), action, allow_unused=True)
@@ -314,10 +315,6 @@ class ActuatorSafety:
 
         at_rest = hop_from(gaps)  # a bound is a number
         return at_rest.movedim(0, -1), slopes.movedim(0, -2)
-
-    def _gap_ahead(self, goal: Goal, values: Mapping[str, Tensor], which: Tensor) -> Tensor:
-        """One gap of each row one step ahead, ``(*B,)``: every estimate is anticipated once."""
-        return goal.gap(self._foreseen(goal, values), which).clamp(max=FARTHEST)
 
     def _foreseen(self, goal: Goal, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """The values with those on which a goal depends one step ahead."""

@@ -16,7 +16,7 @@ SLACK = 1e-4
 not bring a robot to rest."""
 
 GIVES_WAY = 10.0
-"""By how many times what a row asks for it may be missed beyond that, where no action keeps it."""
+"""Where no action keeps a row, its gap may close as fast as so many times what the row asks for."""
 
 YIELDING, YIELDING_SWEEPS = 0.05, 100
 """κ, as a share of the longest row, and how many sweeps at least, while something learns. The less
