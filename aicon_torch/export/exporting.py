@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -135,7 +136,10 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
     sensors: list[dict[str, Any]] = []
     fields = ("size", "unit", "key", "optional", "range", "scale", "age", "age_key")
     for name, sensor in model.sensors.items():
-        sensors.append({"name": name, **{field: getattr(sensor, field) for field in fields}})
+        facts = {"name": name, **{field: getattr(sensor, field) for field in fields}}
+        if sensor.range is not None:  # JSON knows no infinity
+            facts["range"] = [end if math.isfinite(end) else None for end in sensor.range]
+        sensors.append(facts)
 
     actuators: list[dict[str, Any]] = []
     for name, actuator in model.actuators.items():

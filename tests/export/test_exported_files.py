@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from _inputs import MOVE, tracked_point, tracking_model
 from _inputs.following import follower
 
-from aicon_torch import OptionError, load_exported
+from aicon_torch import DirectDescent, OptionError, Policy, Sensor, Sum, load_exported
 from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
@@ -120,3 +121,12 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     with pytest.raises(OptionError) as raised:
         follower().export(path)
     assert str(path) in str(raised.value) and "tmp" not in str(raised.value).replace(str(path), "")
+
+
+def test_a_range_without_an_end_is_told_in_what_every_reader_of_json_takes(tmp_path: Path) -> None:
+    sensors = {"z": Sensor(2, "m", range=(-1.0, np.inf))}
+    model = tracking_model(MOVE, tracked_point(), sensors=sensors)
+    Policy(model, Sum(), DirectDescent(1.0)).export(tmp_path / "policy.so")
+    assert b"Infinity" not in (tmp_path / "policy.so").read_bytes()
+    (sensor,) = load_exported(tmp_path / "policy.so").metadata["sensors"]
+    assert sensor["range"] == [-1.0, None]
