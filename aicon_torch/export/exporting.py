@@ -34,6 +34,9 @@ _NUDGES = 16
 _NUDGE = 1e-6
 _UNITS = 1.0
 
+_STACK = 6 * 2**20
+"""Bytes of its arrays up to which a step runs on a stack of 8 MiB, with room for the rest of it."""
+
 
 def export(
     step: ControlStep,
@@ -102,6 +105,7 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     if step.model.like.device.type != "cpu":
         raise OptionError(f"A policy on {step.model.like.device}: expected one on the CPU.")
     flat = FlatStep(step)
+    _check_stack(flat)
 
     # Every function of the step.
     examples = flat.examples()
@@ -120,6 +124,19 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     return "\n".join(
         [_HEADING, *functions, _constants(flat, metadata), in_turn(flat), _step(flat), _test(flat)]
     )
+
+
+def _check_stack(flat: FlatStep) -> None:
+    """Check that the arrays of a step, which allocates nothing, have room on the stack."""
+    # Three memories: the test's, the one that begins an episode, and the one after the step.
+    sizes = {name: layout.size for name, layout in flat.layouts.items()}
+    count = 3 * sizes["memory"] + 2 * (sizes["values"] + sizes["descent"])
+    needed = count * flat.model.like.element_size()
+    if needed > _STACK:
+        raise OptionError(
+            f"The step needs {needed / 2**20:.0f} MiB of stack, and threads have 8: expected fewer "
+            "readings. A perception reads pictures before the step (perception=...)."
+        )
 
 
 def parameters_of(model: WorldModel) -> str:

@@ -128,7 +128,25 @@ class Operations(TorchDispatchMode):
         return kept[::-1]
 
 
-class Reading(TorchFunctionMode):
+def noted(
+    function: Callable[..., Any], inputs: Sequence[Tensor], decompositions: Decompositions
+) -> tuple[Operations, Any]:
+    """The operations that a function runs, once, and what it returns.
+
+    Args:
+        function: The function.
+        inputs: What it is given; its course must not depend on their values.
+        decompositions: What operators are taken apart into.
+
+    Raises:
+        UnknownValueError: If its course depends on them all the same.
+    """
+    operations = Operations(inputs, decompositions)
+    with operations, _Reading(operations):
+        return operations, function(*inputs)
+
+
+class _Reading(TorchFunctionMode):
     """Sees to it that nothing reads what an input changes otherwise than by an operation.
 
     Args:
