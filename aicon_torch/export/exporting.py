@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -32,6 +33,9 @@ _TEST_SEEDS = 10
 _NUDGES = 16
 _NUDGE = 1e-6
 _UNITS = 1.0
+
+_STACK = 6 * 2**20
+"""Bytes of its arrays up to which a step runs on a stack of 8 MiB, with room for the rest of it."""
 
 
 def export(
@@ -101,6 +105,7 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     if step.model.like.device.type != "cpu":
         raise OptionError(f"A policy on {step.model.like.device}: expected one on the CPU.")
     flat = FlatStep(step)
+    _check_stack(flat)
 
     # Every function of the step.
     examples = flat.examples()
@@ -121,6 +126,19 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     )
 
 
+def _check_stack(flat: FlatStep) -> None:
+    """Check that the arrays of a step, which allocates nothing, have room on the stack."""
+    # Three memories: the test's, the one that begins an episode, and the one after the step.
+    sizes = {name: layout.size for name, layout in flat.layouts.items()}
+    count = 3 * sizes["memory"] + 2 * (sizes["values"] + sizes["descent"])
+    needed = count * flat.model.like.element_size()
+    if needed > _STACK:
+        raise OptionError(
+            f"The step needs {needed / 2**20:.0f} MiB of stack, and threads have 8: expected fewer "
+            "readings. A perception reads pictures before the step (perception=...)."
+        )
+
+
 def parameters_of(model: WorldModel) -> str:
     """A number for the parameters of a model as they are; empty where it has none."""
     digest, parameters = hashlib.sha256(), list(model.parameters())
@@ -135,7 +153,10 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
     sensors: list[dict[str, Any]] = []
     fields = ("size", "unit", "key", "optional", "range", "scale", "age", "age_key")
     for name, sensor in model.sensors.items():
-        sensors.append({"name": name, **{field: getattr(sensor, field) for field in fields}})
+        facts = {"name": name, **{field: getattr(sensor, field) for field in fields}}
+        if sensor.range is not None:  # JSON knows no infinity
+            facts["range"] = [end if math.isfinite(end) else None for end in sensor.range]
+        sensors.append(facts)
 
     actuators: list[dict[str, Any]] = []
     for name, actuator in model.actuators.items():

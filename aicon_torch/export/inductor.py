@@ -13,6 +13,7 @@ from torch.fx.experimental.proxy_tensor import make_fx
 
 from aicon_torch.control.stages import Named, Stage, run
 from aicon_torch.control.step import Actions, ControlStep
+from aicon_torch.export.codegen.operations import noted
 from aicon_torch.resolution import Memory
 
 _SMALL = 16
@@ -132,6 +133,9 @@ def _traced(
     function: Callable[..., tuple[Tensor, ...]], examples: Sequence[Tensor]
 ) -> tuple[GraphModule, list[int]]:
     """The graph of a function of tensors, and which of these it uses."""
+    # Numbers that are read in numpy, or counted, would be constants of the graph: an error here.
+    noted(function, examples, {})
+
     # Small products are written out, so that they are fused with what surrounds them. So is the
     # gradient of a selection: fused, torch 2.10 reads its sum before anything is added to it.
     decompositions: dict[Any, Callable[..., Tensor]] = {

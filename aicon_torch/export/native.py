@@ -23,10 +23,10 @@ class NativeSteps:
         self._versions: dict[torch.dtype, list[tuple[torch.Tensor, int, int]]] = {}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """A copy has the same libraries, and parameters of its own that are as they were."""
+        """A copy has the same libraries, and tensors of its own that are as they were."""
         self.__dict__.update(state)
         for dtype, known in self._versions.items():
-            self._versions[dtype] = _versions_of(parameter for parameter, *_ in known)
+            self._versions[dtype] = _versions_of(tensor for tensor, *_ in known)
 
     def of(self, step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
         """The library of a step, as a policy; None where it must run otherwise.
@@ -36,21 +36,26 @@ class NativeSteps:
             perception: What stands before it.
 
         Raises:
-            OptionError: If a parameter has changed since it was translated.
+            OptionError: If a parameter or a buffer has changed since it was translated.
         """
         like = step.model.like
         if like.device.type != "cpu":
             return None
 
         if like.dtype not in self._steps:
-            self._steps[like.dtype] = self._translated(step, perception)
-            self._versions[like.dtype] = _versions_of(step.model.parameters())
+            # Noted before, and there before the step is: other threads may change one or run the
+            # other meanwhile.
+            versions = _versions_of((*step.model.parameters(), *step.model.buffers()))
+            translated = self._translated(step, perception)
+            self._versions[like.dtype] = versions
+            self._steps[like.dtype] = translated
 
-        # torch counts changes in place, and the C code holds the parameters as they were.
-        for parameter, version, place in self._versions[like.dtype]:
-            if parameter._version != version or parameter.data_ptr() != place:
+        # torch counts changes in place, and the C code holds parameters and buffers as they were.
+        for tensor, version, place in self._versions[like.dtype]:
+            if tensor._version != version or tensor.data_ptr() != place:
                 raise OptionError(
-                    "The policy was compiled before its parameters changed: call compile() again."
+                    "The policy was compiled before its parameters or buffers changed: call "
+                    "compile() again."
                 )
         return self._steps[like.dtype]
 
@@ -73,6 +78,6 @@ class NativeSteps:
         return ExportedPolicy(library, perception)
 
 
-def _versions_of(parameters: Iterable[torch.Tensor]) -> list[tuple[torch.Tensor, int, int]]:
-    """Parameters, each with how often it was changed in place and where its numbers are."""
-    return [(parameter, parameter._version, parameter.data_ptr()) for parameter in parameters]
+def _versions_of(tensors: Iterable[torch.Tensor]) -> list[tuple[torch.Tensor, int, int]]:
+    """Tensors, each with how often it was changed in place and where its numbers are."""
+    return [(tensor, tensor._version, tensor.data_ptr()) for tensor in tensors]

@@ -1,5 +1,7 @@
 """The compiled policy takes the steps of the one it is made of."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 import torch
 from _asserts import assert_same_steps
@@ -8,7 +10,7 @@ from _inputs import drifting, driven, lean
 from _inputs.following import Readings, follower, passing, wandering
 from torch import Tensor
 
-from aicon_torch import Policy, make_policy
+from aicon_torch import OptionError, Policy, make_policy
 from aicon_torch.export.codegen import has_compiler
 from aicon_torch.export.exported_memory import ExportedMemory
 
@@ -129,3 +131,22 @@ def test_it_is_a_policy_like_any_other() -> None:
 
     single = compiled.to(torch.float32)
     assert single.predict(wandering(1)[0])[1]["P"].dtype == torch.float32
+
+
+@with_compiler
+def test_a_constant_of_the_graph_that_has_changed_is_told() -> None:
+    """As load_state_dict() changes it; the step in C has the old one."""
+    compiled, reading = follower().compile(), wandering(1)[0]
+    compiled.predict(reading)
+    changed = {name: 2.0 * value for name, value in compiled.state_dict().items()}
+    compiled.load_state_dict(changed)
+    with pytest.raises(OptionError, match=r"buffers changed.*compile\(\) again"):
+        compiled.predict(reading)
+
+
+@with_compiler
+def test_many_threads_may_take_the_first_step_at_once() -> None:
+    compiled, reading = follower().compile(), wandering(1)[0]
+    with ThreadPoolExecutor(4) as threads:
+        actions = list(threads.map(lambda _: compiled.predict(reading)[0], range(4)))
+    assert all(torch.equal(action, actions[0]) for action in actions)

@@ -8,9 +8,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
+from _inputs import MOVE, tracked_point, tracking_model
 from _inputs.following import follower
 
-from aicon_torch import OptionError, load_exported
+from aicon_torch import (
+    DirectDescent,
+    Interconnection,
+    Measurement,
+    OptionError,
+    Policy,
+    Sensor,
+    Sum,
+    load_exported,
+)
 from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
@@ -120,3 +131,26 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     with pytest.raises(OptionError) as raised:
         follower().export(path)
     assert str(path) in str(raised.value) and "tmp" not in str(raised.value).replace(str(path), "")
+
+
+def test_a_range_without_an_end_is_told_in_what_every_reader_of_json_takes(tmp_path: Path) -> None:
+    sensors = {"z": Sensor(2, "m", range=(-1.0, np.inf))}
+    model = tracking_model(MOVE, tracked_point(), sensors=sensors)
+    Policy(model, Sum(), DirectDescent(1.0)).export(tmp_path / "policy.so")
+    assert b"Infinity" not in (tmp_path / "policy.so").read_bytes()
+    (sensor,) = load_exported(tmp_path / "policy.so").metadata["sensors"]
+    assert sensor["range"] == [-1.0, None]
+
+
+def test_a_step_that_would_run_out_of_stack_is_refused(tmp_path: Path) -> None:
+    """As with a picture among the readings; it ended the process as it was loaded."""
+    sensors = {"z": Sensor(300_000, "grey levels", optional=True)}
+    seen = Interconnection(first_two, p=lambda p: torch.eye(2, dtype=p.dtype))
+    point = tracked_point(correct=[Measurement(seen, 0.1, size=2)])
+    policy = Policy(tracking_model(MOVE, point, sensors=sensors), Sum(), DirectDescent(1.0))
+    with pytest.raises(OptionError, match="MiB of stack.*perception"):
+        policy.export(tmp_path / "policy.so")
+
+
+def first_two(p: torch.Tensor, z: torch.Tensor) -> torch.Tensor:
+    return p - z[..., :2]

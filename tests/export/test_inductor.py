@@ -4,12 +4,14 @@ import os
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_steps
 from _inputs import drifting, lean
 from _inputs.following import Readings, bold_when_far, follower, passing, wandering
 from _inputs.hand import readable_hand, turn
+from torch import Tensor
 
 from aicon_torch import Policy
 from aicon_torch.dampers import PlaceEscape
@@ -55,6 +57,19 @@ def test_what_cannot_be_traced_runs_uncompiled() -> None:
     with pytest.warns(RuntimeWarning, match="runs uncompiled.*branch on values") as warned:
         assert_same_steps(policy, compiled, wandering(6))
     assert len(warned) == 1
+
+
+def in_numpy(p: Tensor) -> Tensor:
+    """No function of tensors alone: what it reads would be a constant of the compiled step."""
+    return torch.as_tensor(np.linalg.norm(p.detach().numpy(), axis=-1)) + 0.0 * p.sum(-1)
+
+
+def test_what_reads_numbers_in_numpy_runs_uncompiled() -> None:
+    """TorchInductor would compile it with the numbers of the first step."""
+    policy = follower(in_numpy)
+    compiled = policy.compile()
+    with pytest.warns(RuntimeWarning, match=r"runs uncompiled.*Tensor\.numpy asks"):
+        assert_same_steps(policy, compiled, wandering(4))
 
 
 @pytest.mark.slow

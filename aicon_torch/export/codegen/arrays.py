@@ -1,5 +1,6 @@
 """Arrays of a program's numbers: what a tensor is while it is translated."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -8,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from aicon_torch.errors import GraphError
 from aicon_torch.export.codegen.grids import (
     COLUMN,
     PLACE,
@@ -44,6 +46,12 @@ REDUCED = ("add", "maximum")
 
 COUNTED = ("or", "and")
 """Operations on truth values along all of an array that come to how many are true."""
+
+OF_NOTHING = {
+    **{"add": 0, "mul": 1, "or": False, "and": True},
+    **{"maximum": -math.inf, "minimum": math.inf},
+}
+"""What operations along no numbers at all come to."""
 
 COMPARISONS = ("eq", "ne", "lt", "le", "gt", "ge")
 
@@ -183,10 +191,10 @@ class Writer:
         dims = [dim % values.ndim for dim in dims] if values.ndim else []
         last = np.moveaxis(values, dims, range(-len(dims), 0)) if dims else values[..., None]
         kept = last.shape[: last.ndim - max(len(dims), 1)]
-        rows = last.reshape(*kept, -1)
+        length = math.prod(last.shape[len(kept) :])
+        rows = last.reshape(*kept, length)
 
         # Many numbers are reduced by a routine in C, ...
-        length = rows.shape[-1]
         are_slices = length <= MOST_SLICES and rows.size >= length * LOOPED
         is_long = rows.size >= LOOPED and not are_slices
         reduced = self._reduced(operation, kind, rows) if is_long else None
@@ -194,8 +202,9 @@ class Writer:
             return np.expand_dims(reduced, tuple(dims)) if keeps else reduced
 
         # ... and few are written out, or looped over as slices, one after the other.
-        result = self.cast(rows[..., 0], kind)
-        for place in range(1, rows.shape[-1]):
+        result = self.full(kept, OF_NOTHING[operation], kind) if length == 0 else rows[..., 0]
+        result = self.cast(result, kind)
+        for place in range(1, length):
             result = self.map(operation, kind, result, rows[..., place])
         return np.expand_dims(result, tuple(dims)) if keeps else result
 
@@ -279,7 +288,7 @@ class Writer:
         if all(candidate is candidates[0] for candidate in candidates):
             return candidates[0]
         array = self.whole(candidates) if len(candidates) >= LOOPED else None
-        return self.program.pick(index, candidates if array is None else array)
+        return self.program.pick(index, candidates, array)
 
     def is_at(self, index: Number, place: int) -> Number:
         """Whether an index is this place."""
@@ -292,7 +301,8 @@ class Writer:
         return [self.cast(array, widest) for array in arrays]
 
     def _each(self, function: Callable[..., Number], *arrays: Array) -> Array:
-        result = np.frompyfunc(function, len(arrays), 1)(*arrays)
+        with np.errstate(all="ignore"):  # of constants it computes, and may find NaN
+            result = np.frompyfunc(function, len(arrays), 1)(*arrays)
 
         # Of arrays without dimensions numpy makes a bare number.
         if not isinstance(result, np.ndarray):
@@ -324,4 +334,6 @@ def kind_of(dtype: torch.dtype) -> Kind:
     """The kind of a tensor's elements."""
     if dtype == torch.bool:
         return "bool"
+    if dtype.is_complex:
+        raise GraphError(f"A tensor of {dtype} cannot be exported: expected real numbers.")
     return "real" if dtype.is_floating_point else "int"

@@ -14,6 +14,7 @@ from aicon_torch.export.codegen.statements import (
     TYPES,
     Statements,
     is_array,
+    real_literal,
     suffix_of,
 )
 from aicon_torch.export.codegen.writes import Write, writes_of
@@ -163,11 +164,11 @@ def _tables(program: Program, statements: Iterable[str]) -> list[str]:
             continue
 
         # A table is named after its content, so several functions of a file may bring the same one.
-        is_real = isinstance(values[0], float)
-        type, suffix = ("real", suffix_of(program)) if is_real else ("int", "")
-        numbers = ", ".join(repr(value) + suffix for value in values)
+        type, texts = "int", [str(value) for value in values]
+        if isinstance(values[0], float):
+            type, texts = "real", [real_literal(value, suffix_of(program)) for value in values]
         lines += [f"#ifndef {name.upper()}", f"#define {name.upper()}"]
-        lines += [f"static const {type} {name}[] = {{{numbers}}};", "#endif"]
+        lines += [f"static const {type} {name}[] = {{{', '.join(texts)}}};", "#endif"]
     return lines
 
 

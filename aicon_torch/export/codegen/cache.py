@@ -69,9 +69,9 @@ def _folder() -> Path | None:
 
 def _kept(path: Path, source: str) -> bytes | None:
     """The library in a file; None if it is not there, not ours, or not what it should be."""
-    if not path.is_file():
-        return None
     try:
+        if not path.is_file():
+            return None
         with path.open("rb") as file:  # looked at and read through one and the same opened file
             status = os.fstat(file.fileno())
             library = file.read()

@@ -148,18 +148,24 @@ def compiled(source: str, target: str | None = None, stays_here: bool = False) -
         stays_here: Whether it runs on processors like this one only, and may use all of it. The
             numbers are the same, to the last digit.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
-        text.write_text(source + _MARKED)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
+            text.write_text(source + _MARKED)
 
-        # What may go elsewhere is for all of an architecture, and no flag names a processor.
-        if target is None:
-            command = compiler_command()
-            flags = (*FLAGS, *(_instructions() if stays_here and command != ZIG else ()))
-            _run(folder, *command, *flags, "-shared", "-o", library, text, "-lm")
-        else:
-            _compile_for(target, folder, text, library)
-        content = library.read_bytes()
+            # What may go elsewhere is for all of an architecture, and no flag names a processor.
+            if target is None:
+                command = compiler_command()
+                flags = (*FLAGS, *(_instructions() if stays_here and command != ZIG else ()))
+                _run(folder, *command, *flags, "-shared", "-o", library, text, "-lm")
+            else:
+                _compile_for(target, folder, text, library)
+            content = library.read_bytes()
+    except OSError as error:  # no program, no library, or no room in the folder
+        raise OptionError(
+            f"The step cannot be compiled: {error}. CC names another compiler, and TMPDIR another "
+            "folder for what it writes."
+        ) from error
     return sealed(content, Seal(target or this_machine(), identity(source, target, stays_here)))
 
 
@@ -188,9 +194,12 @@ def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
 def _run(folder: str, *command: str | Path) -> None:
     """Run the compiler, which may leave things in a folder."""
     words = [str(word) for word in command]
-    done = subprocess.run(words, capture_output=True, text=True, env=_environment(folder))
+    done = subprocess.run(
+        words, capture_output=True, text=True, errors="replace", env=_environment(folder)
+    )
     if done.returncode != 0:
-        raise OptionError(f"{shlex.join(words)} failed: {done.stderr.strip()[:1000]}")
+        said = done.stderr.strip()[:1000] or f"it ended with {done.returncode}, and said nothing"
+        raise OptionError(f"{shlex.join(words)} failed: {said}")
 
 
 def _environment(folder: str) -> dict[str, str]:

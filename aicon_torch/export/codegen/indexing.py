@@ -18,6 +18,8 @@ from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number
 
 def reshape(writer: Writer, kind: Kind, value: Array, shape: Sequence[int]) -> Array:
     """Another shape."""
+    if not isinstance(shape, Sequence):
+        raise NotImplementedError(f"as {shape}")
     return value.reshape(tuple(shape))
 
 
@@ -25,7 +27,9 @@ def expand(writer: Writer, kind: Kind, value: Array, shape: Sequence[int], **_: 
     """Copies along dimensions of size one; −1 leaves a dimension as it is."""
     added = len(shape) - value.ndim
     sizes = [value.shape[i - added] if size == -1 else size for i, size in enumerate(shape)]
-    return np.broadcast_to(value, sizes)
+    expanded = np.broadcast_to(value, sizes)
+    expanded.flags.writeable = value.flags.writeable  # if nothing is repeated, it may be written
+    return expanded
 
 
 def permute(writer: Writer, kind: Kind, value: Array, dims: Sequence[int]) -> Array:
@@ -93,7 +97,9 @@ def diagonal(
     writer: Writer, kind: Kind, value: Array, offset: int = 0, dim1: int = 0, dim2: int = 1
 ) -> Array:
     """A diagonal, as the last dimension."""
-    return value.diagonal(offset, dim1, dim2)
+    found = value.diagonal(offset, dim1, dim2)
+    found.flags.writeable = value.flags.writeable
+    return found
 
 
 def flip(writer: Writer, kind: Kind, value: Array, dims: Sequence[int]) -> Array:
@@ -104,7 +110,8 @@ def flip(writer: Writer, kind: Kind, value: Array, dims: Sequence[int]) -> Array
 def join(writer: Writer, kind: Kind, values: Sequence[Array], dim: int = 0) -> Array:
     """Parts one after the other."""
     # torch joins an empty vector to anything, numpy does not.
-    return writer.cast(np.concatenate([v for v in values if v.shape != (0,)], axis=dim), kind)
+    parts = [value for value in values if value.shape != (0,)] or values[:1]
+    return writer.cast(np.concatenate(parts, axis=dim), kind)
 
 
 def pad(
@@ -169,12 +176,6 @@ def replace_diagonal(
     replaced = value.copy()
     replaced.reshape(-1)[places] = source
     return replaced
-
-
-def overwrite(writer: Writer, kind: Kind, value: Array, source: Array, *_: Any) -> Array:
-    """The value itself, overwritten where it stands."""
-    value[...] = writer.cast(source, kind)
-    return value
 
 
 def copied(writer: Writer, kind: Kind, value: Array, source: Array, *_: Any) -> Array:
@@ -282,8 +283,13 @@ def index_put(
 def _scatter(
     writer: Writer, kind: Kind, value: Array, dim: int, index: Array, source: Any, adds: bool
 ) -> Array:
-    result = writer.cast(value, kind).copy()
-    sources = np.broadcast_to(writer.array(source, kind), index.shape)
+    result = np.atleast_1d(writer.cast(value, kind))
+    index = np.atleast_1d(index)
+
+    # A source may be larger than the index, which then meets its first elements.
+    sources = writer.array(source, kind)
+    sources = sources[tuple(slice(size) for size in index.shape[: sources.ndim])]
+    sources = np.broadcast_to(sources, index.shape)
     for place in np.ndindex(index.shape):
         line: Any = result[_across(place, dim)]
         number: Any = index[place]
@@ -295,7 +301,7 @@ def _scatter(
                 new = writer.program.apply("add", (line[target], new), kind)
             is_here = writer.is_at(number, target)
             line[target] = writer.program.apply("where", (is_here, new, line[target]), kind)
-    return result
+    return result.reshape(value.shape)
 
 
 def _pick_parts(writer: Writer, along: Array, index: Number) -> Array:
@@ -330,7 +336,8 @@ def _known(index: Array) -> Any:
     numbers: list[Number] = list(index.reshape(-1))
     if any(number.operation != CONSTANT for number in numbers):
         return None
-    return np.array([number.value for number in numbers]).reshape(index.shape)
+    values = [number.value for number in numbers]
+    return np.array(values, dtype=None if values else np.int64).reshape(index.shape)
 
 
 def _all_known(indices: Sequence[Array | None]) -> tuple[Any, ...] | None:
@@ -368,7 +375,6 @@ INDEXING: dict[str, Translation] = {
     "select_scatter": replace_row,
     "diagonal_scatter": replace_diagonal,
     "copy": copied,
-    "copy_": overwrite,
     "index_select": take,
     "gather": gather,
     "scatter": scatter,

@@ -203,9 +203,10 @@ class _Search:
             return
 
         # ... all by the same operation, which a loop can do, ...
-        operation = numbers[0].operation
-        is_known = operation in OPERATIONS or operation == PICK
-        if not is_known or any(number.operation != operation for number in numbers):
+        operation, value = numbers[0].operation, numbers[0].value
+        if operation not in OPERATIONS and operation != PICK:
+            return
+        if any((number.operation, number.value) != (operation, value) for number in numbers):
             return
 
         # ... on arguments that a loop can read. To gather more than one costs what the loop saves,

@@ -42,7 +42,8 @@ def scaled(operation: str) -> Translation:
     def translation(writer: Writer, kind: Kind, first: Any, second: Any, alpha: float = 1) -> Array:
         if alpha != 1:
             second = writer.map("mul", kind, second, alpha)
-        return writer.map(operation, kind, first, second)
+        chosen = "or" if kind == "bool" else operation  # true and true is true, not 2
+        return writer.map(chosen, kind, first, second)
 
     return translation
 
@@ -74,6 +75,8 @@ def power(writer: Writer, kind: Kind, base: Any, exponent: Any) -> Array:
         return writer.map("mul", kind, base, base)
     if exponent == 0.5:
         return writer.map("sqrt", kind, base)
+    if exponent == -0.5:
+        return inverse_root(writer, kind, base)
     return writer.map("pow", kind, base, exponent)
 
 

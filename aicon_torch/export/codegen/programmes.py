@@ -255,4 +255,4 @@ def _found(
     return result
 
 
-PROGRAMMES: dict[str, Translation] = {"swept": sweep, "exactly": exactly}
+PROGRAMMES: dict[str, Translation] = {"aicon::swept": sweep, "aicon::exactly": exactly}

@@ -31,7 +31,8 @@ class Number:
         arguments: What it is computed from.
         kind: Real, int or bool.
         value: Of a constant its value, of an input an :class:`Element`, of an item its place, of a
-            loop a :class:`Loop`; of a list and a routine sizes, of which the last is its length.
+            loop a :class:`Loop`; of a pick from how many it is; of a list and a routine sizes, of
+            which the last is its length.
     """
 
     index: int
@@ -149,8 +150,8 @@ OPERATIONS: dict[str, Operation] = {
     "to_bool": Operation("{0} != 0", lambda x: x != 0),
 }
 
-NEUTRAL = {"add": (0, 0), "sub": (None, 0), "mul": (1, 1), "div": (None, 1)}
-"""Left and right constants that leave the other argument as it is."""
+NEUTRAL = {"add": (-0.0, -0.0), "sub": (None, 0.0), "mul": (1, 1), "div": (None, 1)}
+"""Left and right constants that leave the other argument as it is; −0 + 0 is 0."""
 
 DECISIVE = {"and": False, "or": True}
 """The truth value that decides the outcome alone; the other one leaves the other argument."""
@@ -240,10 +241,18 @@ class Program:
         call = self._number(LOOP, tuple(arguments), kind, loop)
         return [self.item(call, place) for place in range(grid.count)]
 
-    def pick(self, index: Number, candidates: "Sequence[Number] | Number") -> Number:
-        """The candidate at an index, of some or of an array; the first one where there is none."""
-        array = candidates if isinstance(candidates, Number) else self.list(candidates)
-        return self._number(PICK, (index, array), array.kind)
+    def pick(
+        self, index: Number, candidates: Sequence[Number], source: Number | None = None
+    ) -> Number:
+        """The candidate at an index, the first one where there is none there.
+
+        Args:
+            index: The index.
+            candidates: The candidates.
+            source: An array that begins with them, if there is one.
+        """
+        array = self.list(candidates) if source is None else source
+        return self._number(PICK, (index, array), array.kind, len(candidates))
 
     def list(self, numbers: Sequence[Number]) -> Number:
         """An array of some numbers of one kind."""
@@ -316,5 +325,7 @@ def array_and_place(number: Number) -> tuple[Number | str, int] | None:
 
 
 def _is(number: Number, value: float | None) -> bool:
-    """Whether a number is this constant."""
-    return number.operation == CONSTANT and value is not None and bool(number.value == value)
+    """Whether a number is this constant, a real zero one of this sign."""
+    if number.operation != CONSTANT or value is None or number.value != value:
+        return False
+    return number.kind != "real" or bool(np.signbit(number.value) == np.signbit(value))

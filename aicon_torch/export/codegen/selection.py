@@ -1,11 +1,10 @@
 """Operators that compare the numbers of a tensor: the largest, the order, running sums."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from aicon_torch.export.codegen.arrays import Array, Writer, as_array
+from aicon_torch.export.codegen.arrays import Array, Writer
 from aicon_torch.export.codegen.operators import Translation
 from aicon_torch.export.codegen.scalars import Kind, Number
 
@@ -97,7 +96,7 @@ def topk(
     """The largest or smallest values in order, and their indices; NaN is larger than all."""
     # Among the smallest NaN comes last, where a minimum (`lt`) would take it first.
     is_better = "gt" if largest else "below"
-    return _along(value, dim, lambda line: _in_order(writer, line, count, is_better))
+    return _along(writer, value, dim, count, is_better)
 
 
 def sort(
@@ -109,42 +108,43 @@ def sort(
     stable: bool = True,
 ) -> tuple[Array, Array]:
     """All values in order, and their indices; equal ones stay in theirs."""
-    return topk(writer, kind, value, value.shape[dim], dim, largest=descending)
+    count = value.shape[dim] if value.ndim else 1
+    return topk(writer, kind, value, count, dim, largest=descending)
 
 
 def running_sum(writer: Writer, kind: Kind, value: Array, dim: int, **_: Any) -> Array:
     """The sum of each element and those before it."""
-    along = np.moveaxis(writer.cast(value, kind), dim, 0)
+    along = np.moveaxis(np.atleast_1d(writer.cast(value, kind)), dim, 0)
     sums = [along[:1]]
     for place in range(1, len(along)):
         sums.append(writer.map("add", kind, sums[-1], along[place : place + 1]))
-    return np.moveaxis(np.concatenate(sums), 0, dim)
+    return np.moveaxis(np.concatenate(sums), 0, dim).reshape(value.shape)
 
 
 def _extreme(
     writer: Writer, value: Array, dim: int, is_better: str, keepdim: bool
 ) -> tuple[Array, Array]:
-    values, indices = _along(value, dim, lambda line: _in_order(writer, line, 1, is_better))
+    values, indices = _along(writer, value, dim, 1, is_better)
     if keepdim:
         return values, indices
     return values.squeeze(dim), indices.squeeze(dim)
 
 
-def _along(value: Array, dim: int, function: Callable[[Array], list[Best]]) -> tuple[Array, Array]:
-    """Values and indices that a function finds in each line along a dimension."""
+def _along(
+    writer: Writer, value: Array, dim: int, count: int, is_better: str
+) -> tuple[Array, Array]:
+    """The first values of each line along a dimension in order, and their indices."""
     # The dimension goes last, and each line along it is searched by itself.
-    moved = np.moveaxis(value, dim, -1) if value.ndim else value.reshape(1)
-    best: list[Best] = []
-    for line in moved.reshape(-1, moved.shape[-1]):
-        best.extend(function(line))
+    moved = np.moveaxis(np.atleast_1d(value), dim, -1)
+    values, indices = (np.empty((*moved.shape[:-1], count), dtype=object) for _ in range(2))
+    for place in np.ndindex(moved.shape[:-1]):
+        for rank, best in enumerate(_in_order(writer, moved[place], count, is_better)):
+            values[(*place, rank)], indices[(*place, rank)] = best
 
     # As many of each line as were found, in the place of the dimension.
-    shape = (*moved.shape[:-1], -1) if value.ndim else ()
-    found = []
-    for numbers in zip(*best, strict=True):
-        array = as_array(list(numbers), (len(best),)).reshape(shape)
-        found.append(np.moveaxis(array, -1, dim) if value.ndim else array)
-    return found[0], found[1]
+    if not value.ndim:
+        return values.reshape(()), indices.reshape(())
+    return np.moveaxis(values, -1, dim), np.moveaxis(indices, -1, dim)
 
 
 def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[Best]:
@@ -152,7 +152,7 @@ def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[B
     program = writer.program
 
     # Many numbers: a routine of C sorts them in, and returns the values, then their places.
-    if line[0].kind == "real" and count > 1 and len(line) * count >= COMPARED:
+    if count > 1 and len(line) * count >= COMPARED and line[0].kind == "real":
         sizes = (len(line), count, int(is_better == "gt"), 2 * count)
         array = writer.whole(list(line))
         call = program.call("in_order", line if array is None else [array], sizes)

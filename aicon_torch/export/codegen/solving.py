@@ -25,6 +25,7 @@ static void factorize(int n, const real *a, real *result) {
         lu[k * n + j] = lu[best * n + j];
         lu[best * n + j] = held;
       }
+    if (lu[k * n + k] == 0) continue; /* the column is zero from here on, and stays so */
     for (int i = k + 1; i < n; ++i) {
       real factor = lu[i * n + k] /= lu[k * n + k];
       for (int j = k + 1; j < n; ++j) lu[i * n + j] -= factor * lu[k * n + j];
@@ -86,20 +87,18 @@ static void substitute_adjoint(int n, int m, const real *lu, const real *rows, c
 def solve_ex(
     writer: Writer, kind: Kind, matrix: Array, right: Array, left: bool = True, **_: Any
 ) -> tuple[Array, ...]:
-    """X of A X = B, the factors of A, the rows exchanged, and 0 for success."""
+    """X of A X = B, the factors of A, the rows exchanged, and the first pivot that is zero."""
     # One right-hand side for each A is a matrix of one column.
     is_vector = right.ndim == 1 or right.shape == matrix.shape[:-1]
     if is_vector:
         right = right[..., None]
-    factors, rows = factorize(writer, kind, matrix)[:2]
+    factors, rows, zero = factorize(writer, kind, matrix)
     solution = substitute(writer, kind, factors, rows, right, left)
-
-    success = writer.full(matrix.shape[:-2], 0, "int")
-    return solution.squeeze(-1) if is_vector else solution, factors, rows, success
+    return solution.squeeze(-1) if is_vector else solution, factors, rows, zero
 
 
 def factorize(writer: Writer, kind: Kind, matrix: Array, **_: Any) -> tuple[Array, ...]:
-    """L and U in one ``(..., n, n)``, the rows exchanged ``(..., n)``, and 0 for success."""
+    """L and U in one ``(..., n, n)``, the rows exchanged ``(..., n)``, and the first zero pivot."""
     size = matrix.shape[-1]
     factors = np.empty(matrix.shape, dtype=object)
     rows = np.empty(matrix.shape[:-1], dtype=object)
@@ -112,7 +111,16 @@ def factorize(writer: Writer, kind: Kind, matrix: Array, **_: Any) -> tuple[Arra
         items = [writer.program.item(call, index) for index in range(size * size + size)]
         factors[place] = as_array(items[: size * size], (size, size))
         rows[place] = as_array(items[size * size :], (size,))
-    return factors, rows, writer.full(matrix.shape[:-2], 0, "int")
+    return factors, rows, _first_zero_pivot(writer, factors)
+
+
+def _first_zero_pivot(writer: Writer, factors: Array) -> Array:
+    """Which pivot is the first that is zero, counted from 1; 0 where A is not singular."""
+    first = writer.full(factors.shape[:-2], 0, "int")
+    for row in reversed(range(factors.shape[-1])):
+        is_zero = writer.map("eq", "bool", factors[..., row, row], 0.0)
+        first = writer.map("where", "int", is_zero, row + 1, first)
+    return first
 
 
 def substitute(
@@ -132,9 +140,12 @@ def substitute(
     # Factors, rows exchanged and B are one flat argument of the routine.
     routine = "substitute_adjoint" if adjoint else "substitute"
     size, columns = right.shape[-2:]
-    solution = np.empty((*factors.shape[:-2], size, columns), dtype=object)
+    leading = np.broadcast_shapes(factors.shape[:-2], right.shape[:-2])
+    solution = np.empty((*leading, size, columns), dtype=object)
     right = np.broadcast_to(right, solution.shape)
-    for place in np.ndindex(factors.shape[:-2]):
+    factors = np.broadcast_to(factors, (*leading, size, size))
+    rows = np.broadcast_to(rows, (*leading, size))
+    for place in np.ndindex(leading):
         parts = (factors[place], rows[place], right[place])
         numbers = np.concatenate([writer.cast(part, "real").reshape(-1) for part in parts])
         call = writer.program.call(routine, numbers, (size, columns, size * columns))

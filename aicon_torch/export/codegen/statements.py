@@ -76,7 +76,9 @@ class Statements:
     def text(self, number: Number) -> str:
         """A number as an argument, outside of loops."""
         if number.operation == CONSTANT:
-            return _literal(number, suffix_of(self.program))
+            suffix = suffix_of(self.program)
+            is_real = number.kind == "real"
+            return real_literal(number.value, suffix) if is_real else str(int(number.value))
         if number.operation == INPUT and is_array(number):
             return str(number.value.name)
         return self._array_of.get(number.index, f"v{number.index}")
@@ -156,8 +158,7 @@ class Statements:
         elif number.operation == PICK:
             # An index beyond the candidates picks the first; unsigned, a negative one is beyond.
             index, array = arguments
-            count = number.arguments[1].length
-            value = f"{array}[(unsigned long long){index} < {count} ? {index} : 0]"
+            value = f"{array}[(unsigned long long){index} < {number.value} ? {index} : 0]"
         else:
             operation = OPERATIONS[number.operation]
             value = operation.text.format(*arguments, f=suffix_of(self.program))
@@ -268,14 +269,12 @@ def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
     return [*filter(None, (given, result)), f"  {number.operation}({numbers}, {pointers}, {name});"]
 
 
-def _literal(number: Number, suffix: str) -> str:
-    """A constant, to the last digit."""
-    if number.kind != "real":
-        return str(int(number.value))
-    value = float(number.value)
+def real_literal(number: float, suffix: str) -> str:
+    """A real number, to the last digit."""
+    value = float(number)
     if not np.isfinite(value):
         return "((real)NAN)" if np.isnan(value) else f"({'-' if value < 0 else ''}(real)INFINITY)"
 
     # In brackets where there is a sign, −0.0's included: two minuses in a row would be C's `--`.
     text = f"{value!r}{suffix}"
-    return f"({text})" if value < 0 or text.startswith("-") else text
+    return f"({text})" if text.startswith("-") else text

@@ -11,7 +11,7 @@ from torch._decomp import core_aten_decompositions, get_decompositions
 
 from aicon_torch.export.codegen.arrays import Writer, as_array
 from aicon_torch.export.codegen.c_source import function, repeated_function
-from aicon_torch.export.codegen.operations import Operations
+from aicon_torch.export.codegen.operations import noted
 from aicon_torch.export.codegen.scalars import Program
 from aicon_torch.export.codegen.translation import translate
 
@@ -49,10 +49,8 @@ def in_c(
     # Copies: tensors are told apart by identity, and nothing is to change the examples.
     given = [examples[input].clone() for input in inputs]
 
-    # It runs once. What is noted lies below autograd, so that gradients are operations too.
-    operations = Operations(given, _decompositions())
-    with operations:
-        returned = traced(*given)
+    # What is noted lies below autograd, so that gradients are operations too.
+    operations, returned = noted(traced, given, _decompositions())
 
     # Every input element is a number, and so is everything that comes of it.
     program = Program(given[0].dtype)
@@ -91,6 +89,8 @@ def _decompositions() -> dict[Any, Callable[..., Any]]:
 
 def _without_nan(values: Tensor, *replacements: float | None) -> Tensor:
     """``nan_to_num``."""
+    if not values.is_floating_point():
+        return values.clone()
     nan, largest, smallest = (*replacements, None, None, None)[:3]
 
     # What torch puts in their place by default: 0, and the limits of the precision.

@@ -8,7 +8,7 @@ from _inputs import normal
 from _inputs.translated import SIZE, Function, translated
 from torch import Tensor
 
-from aicon_torch.export.codegen import has_compiler
+from aicon_torch.export.codegen import arrays, has_compiler
 from aicon_torch.export.codegen.scalars import Program
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
@@ -36,6 +36,20 @@ def first_and_last(x: Tensor) -> Tensor:
     """Where the largest and the smallest are, and all from the largest down."""
     places = torch.stack((x.argmax(), x.argmin()))
     return torch.cat((places.to(x.dtype), x.sort(descending=True).values))
+
+
+def test_one_of_many_readings_is_picked_where_they_stand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of a map that is a reading: they are an array already, and longer than what is asked."""
+    monkeypatch.setattr(arrays, "LOOPED", 4)
+
+    def found(x: Tensor) -> Tensor:
+        return x[:SIZE].gather(0, x.argmax(0, keepdim=True)) + x[:5].gather(0, x[:5].argsort())
+
+    for seed in range(3):
+        x = normal(SIZE, seed=seed)
+        torch.testing.assert_close(translated(found, torch.float64, tmp_path)(x), found(x))
 
 
 @pytest.mark.parametrize("function", [picked, first_and_last, the_first_of_many])

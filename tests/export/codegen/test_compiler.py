@@ -1,5 +1,6 @@
 """Compiled steps are kept by what is in them, and work where nothing can be kept."""
 
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from aicon_torch import (
     Sum,
     WorldModel,
 )
+from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen import cached_library, compile_library, has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
@@ -81,3 +83,34 @@ def test_where_nothing_can_be_kept_it_compiles_all_the_same(
     assert native is not None and native._steps[torch.float64] is not None
 
     assert cached_library(SOURCE)
+
+
+@pytest.mark.parametrize("program", ["/bin/true", "not a program"], ids=["does nothing", "is none"])
+def test_a_compiler_that_does_nothing_is_named_with_how_to_choose_another(
+    program: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = tmp_path / "broken"
+    if program.startswith("/"):
+        broken.symlink_to(program)
+    else:
+        broken.write_bytes(program.encode())
+        broken.chmod(0o700)
+    monkeypatch.setenv("CC", str(broken))
+    with pytest.raises(OptionError, match="cannot be compiled.*CC names another"):
+        compile_library(SOURCE, tmp_path / "answer.so")
+
+
+def test_a_compiler_that_fails_without_a_word_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(OptionError, match="false.* failed: it ended with 1"):
+        compile_library(SOURCE, tmp_path / "answer.so")
+
+
+def test_a_folder_without_room_for_the_compiler_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
+    with pytest.raises(OptionError, match="missing.*TMPDIR"):
+        compile_library(SOURCE, tmp_path / "answer.so")
