@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.validation import check_flags
 
 Options = TypeVar("Options")
 
@@ -52,6 +51,4 @@ def replace_options(options: Options, changes: Mapping[str, Any], owner: str = "
 
         whole[name] = replace_options(group, inner, f"{name!r} of {owner}")
 
-    replaced = dataclasses.replace(options, **whole)  # type: ignore[type-var]  # likewise
-    check_flags(replaced)
-    return replaced
+    return dataclasses.replace(options, **whole)  # type: ignore[type-var]  # likewise

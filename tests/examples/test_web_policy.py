@@ -143,8 +143,9 @@ def test_it_tells_what_it_holds_and_what_it_decided(small: Path) -> None:
         for (let step = 0; step < 2; ++step) {
             policy.memory.set(blank);
             policy.reset();
-            const readings = [0.5, 1.0, NaN, NaN, NaN, NaN, NaN];
-            for (let i = 0; i < 3; ++i) policy.step(readings.map((x) => x + 0.01 * i));
+            for (const x of [0, 0.01, 0.02]) {  // a new bearing and a new range in each step
+                policy.step([0.5 + x, 1.0 + x, NaN, 0, 0, NaN, NaN]);
+            }
             moments.push(Array.from(policy.memory, String));
         }
         console.log(JSON.stringify({

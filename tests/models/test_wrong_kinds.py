@@ -47,7 +47,7 @@ FLAGS = {
 @pytest.mark.parametrize(("model", "names"), FLAGS.items(), ids=FLAGS.keys())
 def test_what_is_on_or_off_is_true_or_false(model: str, names: list[str], value: Any) -> None:
     for name in names:
-        told = f"{name.removeprefix('camera.')}={value!r}: expected bool, such as True"
+        told = f"{name.removeprefix('camera.')}={value!r}: expected True or False"
         with pytest.raises(OptionError, match=re.escape(told)):
             make_policy(model, **{name: value})
 

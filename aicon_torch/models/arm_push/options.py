@@ -18,6 +18,7 @@ from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath
 from aicon_torch.validation import (
     check_choice,
     check_count,
+    check_flags,
     check_instance,
     check_not_negative,
     check_positive,
@@ -96,7 +97,7 @@ class CameraOptions:
         check_positive(self, ("noise",))
         check_not_negative(self, ("edge_growth", "trace_weight", "trace_tolerance"))
         check_choice(self, "steering", get_args(Steering))
-        check_instance(self, ("background",), bool, "True")
+        check_flags(self)
 
 
 @dataclass(frozen=True)
@@ -201,7 +202,7 @@ class Options:
         check_instance(self, ("law",), ActionLaw, "Foresight()")
         check_instance(self, ("camera",), CameraOptions, "CameraOptions()")
         check_instance(self, ("contact",), ContactOptions, "ContactOptions(size=0.2)")
-        check_instance(self, ("touch", "watchdog"), bool, "True")
+        check_flags(self)
 
         # What takes a sentence of its own.
         if not isinstance(self.robot, PushingRobot):

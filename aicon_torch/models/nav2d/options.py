@@ -18,7 +18,7 @@ from aicon_torch.resolution import (
 from aicon_torch.validation import (
     check_choice,
     check_count,
-    check_instance,
+    check_flags,
     check_not_negative,
     check_positive,
 )
@@ -78,7 +78,7 @@ class Options:
         check_not_negative(self, ("range_offset",))
         check_positive(self, ("bearing_noise", "range_noise", "actuation_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))
-        check_instance(self, ("watchdog",), bool, "True")
+        check_flags(self)
 
 
 PRESETS: Mapping[str, Mapping[str, Any]] = {

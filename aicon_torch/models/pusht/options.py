@@ -15,6 +15,7 @@ from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath
 from aicon_torch.validation import (
     check_choice,
     check_count,
+    check_flags,
     check_instance,
     check_not_negative,
     check_positive,
@@ -99,8 +100,7 @@ class Options:
         numbers("goal_pose", self.goal_pose, 3)
         check_count(self, ("delay",), "number of steps")
         check_instance(self, ("contact",), ContactOptions, "ContactOptions(size=0.1)")
-        check_instance(self, ("observe_goal", "compensate_lag", "estimation"), bool, "True")
-        check_instance(self, ("watchdog", "likelihood_path", "position_path"), bool, "True")
+        check_flags(self)
         if self.picture_noise is not None:
             check_positive(self, ("picture_noise",))
         if self.picture is not None and (self.keypoint_offset or self.delay):

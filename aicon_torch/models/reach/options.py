@@ -16,6 +16,7 @@ from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath
 from aicon_torch.validation import (
     check_choice,
     check_count,
+    check_flags,
     check_instance,
     check_not_negative,
     check_positive,
@@ -102,7 +103,7 @@ class Options:
         check_positive(self, [name for name in optional if getattr(self, name) is not None])
         margins = ("joint_limits", "self_collision")
         check_instance(self, margins, SquaredHinge, "SquaredHinge(0.02, 1.0)")
-        check_instance(self, ("safety", "watchdog"), bool, "True")
+        check_flags(self)
         numbers("axis", self.axis, 3)
 
 
