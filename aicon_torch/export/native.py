@@ -2,9 +2,10 @@
 
 import logging
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TypeAlias
 
 import torch
+from torch import Tensor, nn
 
 from aicon_torch.control.step import ControlStep
 from aicon_torch.differentiation import undisturbed
@@ -14,13 +15,16 @@ from aicon_torch.readings.perception import Perception
 
 _LOGGER = logging.getLogger(__name__)
 
+Version: TypeAlias = tuple[Tensor, int, int | None]
+"""A tensor, how often it was changed in place, and where its numbers are, if that is asked."""
+
 
 class NativeSteps:
     """The libraries of a policy, one for each precision that it is used in."""
 
     def __init__(self) -> None:
         self._steps: dict[torch.dtype, ExportedPolicy | None] = {}
-        self._versions: dict[torch.dtype, list[tuple[torch.Tensor, int, int]]] = {}
+        self._versions: dict[torch.dtype, list[Version]] = {}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy has the same libraries, and tensors of its own that are as they were."""
@@ -52,7 +56,7 @@ class NativeSteps:
 
         # torch counts changes in place, and the C code holds parameters and buffers as they were.
         for tensor, version, place in self._versions[like.dtype]:
-            if tensor._version != version or tensor.data_ptr() != place:
+            if tensor._version != version or (place is not None and tensor.data_ptr() != place):
                 raise OptionError(
                     "The policy was compiled before its parameters or buffers changed: call "
                     "compile() again."
@@ -78,6 +82,12 @@ class NativeSteps:
         return ExportedPolicy(library, perception)
 
 
-def _versions_of(tensors: Iterable[torch.Tensor]) -> list[tuple[torch.Tensor, int, int]]:
-    """Tensors, each with how often it was changed in place and where its numbers are."""
-    return [(tensor, tensor._version, tensor.data_ptr()) for tensor in tensors]
+def _versions_of(tensors: Iterable[Tensor]) -> list[Version]:
+    """Tensors, each with how often it was changed in place and, of a parameter, where it is.
+
+    An optimizer may give a parameter other numbers as its ``data``; a buffer is loaded in place.
+    """
+    return [
+        (tensor, tensor._version, tensor.data_ptr() if isinstance(tensor, nn.Parameter) else None)
+        for tensor in tensors
+    ]
