@@ -53,10 +53,17 @@ def through_time() -> Iterator[None]:
 def undisturbed(like: Tensor) -> Iterator[None]:
     """Compute as if the caller had entered neither inference mode nor autocast.
 
+    Whether gradients are recorded stays as it is.
+
     Args:
         like: A tensor on the device that computes.
     """
-    with torch.inference_mode(False), torch.autocast(like.device.type, enabled=False):
+    records = torch.is_grad_enabled()  # leaving inference mode would switch it on
+    with (
+        torch.inference_mode(False),
+        torch.set_grad_enabled(records),
+        torch.autocast(like.device.type, enabled=False),
+    ):
         yield
 
 

@@ -325,7 +325,7 @@ class Policy(nn.Module):
         from aicon_torch.export.exporting import export  # loads the translation to C
 
         step = ControlStep(self.model, self.backward_pass, self.law)
-        with undisturbed(self.model.like):
+        with undisturbed(self.model.like), torch.enable_grad():
             export(step, path, description, self.perception is not None, target)
 
     def is_exported(self, exported: ExportedPolicy) -> bool:

@@ -70,7 +70,7 @@ class NativeSteps:
         # The step as it is written; the one that is given may be compiled by TorchInductor.
         plain = ControlStep(step.model, step.backward, step.law)
         try:
-            with undisturbed(step.model.like):  # gradients are traced
+            with undisturbed(step.model.like), torch.enable_grad():  # gradients are traced
                 library = compiled_library(plain, perceives=perception is not None)
         except Exception as error:  # noqa: BLE001  # it runs otherwise, or says there why it cannot
             _LOGGER.warning(

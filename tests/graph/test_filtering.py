@@ -37,6 +37,15 @@ def test_estimates_are_those_of_a_policy_that_somebody_else_acts_for(log: Log) -
             torch.testing.assert_close(series[:, step], memory[name], rtol=0, atol=0)
 
 
+@pytest.mark.parametrize("mode", (torch.no_grad, torch.inference_mode))
+def test_where_no_gradient_is_recorded_there_is_none(mode: Any) -> None:
+    log = LOGS["nav2d"]
+    policy = log.make()
+    with mode():
+        filtered = policy.filter(stacked(log.observations()), random_actions(policy))
+    assert not any(series.requires_grad for series in filtered.estimates.values())
+
+
 @SOME_LOGS_AT_FIRST
 def test_likelihood_has_the_gradient_of_finite_differences(log: Log) -> None:
     learner, observations = log.learner(), stacked(log.observations())
