@@ -40,7 +40,7 @@ def test_estimates_are_those_of_a_policy_that_somebody_else_acts_for(log: Log) -
 @pytest.mark.parametrize("mode", (torch.no_grad, torch.inference_mode))
 def test_where_no_gradient_is_recorded_there_is_none(mode: Any) -> None:
     log = LOGS["nav2d"]
-    policy = log.make()
+    policy = log.learner()
     with mode():
         filtered = policy.filter(stacked(log.observations()), random_actions(policy))
     assert not any(series.requires_grad for series in filtered.estimates.values())
