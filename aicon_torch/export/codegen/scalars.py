@@ -150,8 +150,8 @@ OPERATIONS: dict[str, Operation] = {
     "to_bool": Operation("{0} != 0", lambda x: x != 0),
 }
 
-NEUTRAL = {"add": (-0.0, -0.0), "sub": (None, 0.0), "mul": (1, 1), "div": (None, 1)}
-"""Left and right constants that leave the other argument as it is; −0 + 0 is 0."""
+NEUTRAL = {"add": (0, 0), "sub": (None, 0), "mul": (1, 1), "div": (None, 1)}
+"""Left and right constants that leave the other argument as it is; −0 + 0, which is 0, stays −0."""
 
 DECISIVE = {"and": False, "or": True}
 """The truth value that decides the outcome alone; the other one leaves the other argument."""
@@ -325,7 +325,5 @@ def array_and_place(number: Number) -> tuple[Number | str, int] | None:
 
 
 def _is(number: Number, value: float | None) -> bool:
-    """Whether a number is this constant, a real zero one of this sign."""
-    if number.operation != CONSTANT or value is None or number.value != value:
-        return False
-    return number.kind != "real" or bool(np.signbit(number.value) == np.signbit(value))
+    """Whether a number is this constant."""
+    return number.operation == CONSTANT and value is not None and bool(number.value == value)

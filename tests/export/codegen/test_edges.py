@@ -44,9 +44,9 @@ def of_truth_values(x: Tensor) -> Tensor:
 
 
 def signs_of_zero(x: Tensor) -> Tensor:
-    """Minus zero plus zero is zero, and turns an angle of π into one of −π."""
-    angles = torch.atan2(torch.stack((x + 0.0, 0.0 + x, x - 0.0, x - (-0.0))), torch.tensor(-1.0))
-    return torch.cat((angles.flatten(), 1 / (x + 0.0), x.abs() ** -0.5, 1 / (0.0 * x)))
+    """Minus zero turns an angle of π into one of −π; what is added to it is not zero."""
+    angles = torch.atan2(torch.stack((x, x - 0.0, -x, 0.0 * x)), torch.tensor(-1.0))
+    return torch.cat((angles.flatten(), x.abs() ** -0.5, 1 / (0.0 * x)))
 
 
 def singular(x: Tensor) -> Tensor:
