@@ -52,7 +52,7 @@ def find_standstill(history: History) -> Finding | None:
     if history.steps - since < max(3, LASTING * history.steps):
         return None
     time = float(history.times[since])
-    text = f"It stands still since {seconds(time)}. {costs_in_words(history)}"
+    text = f"It has stood still since {seconds(time)}. {costs_in_words(history)}"
     return Finding("standstill", text, time)
 
 
@@ -68,8 +68,8 @@ def find_cycle(history: History) -> Finding | None:
         time, length = float(history.times[since]), period * history.dt
         rounds = (history.steps - since) / period
         text = (
-            f"It goes in a cycle since {seconds(time)}: every {seconds(length)} the same again, "
-            f"{rounds:.0f} times until the end. {costs_in_words(history)}"
+            f"It has gone in a cycle since {seconds(time)}, of {seconds(length)} each: "
+            f"{rounds:.0f} rounds until the end. {costs_in_words(history)}"
         )
         return Finding("cycle", text, time, period=length)
     return None

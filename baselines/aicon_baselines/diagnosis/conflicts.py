@@ -51,7 +51,7 @@ def find_constraints(history: History, since: int) -> Iterator[Finding]:
         near = _near_goals(history, since)
         held = f" What is near its bound: {listed(near)}." if near else ""
         text = (
-            f"Safety goals hold {name} up: in {percent(escaping.mean())} of the time it gave up "
+            f"Safety goals hold {name} up: for {percent(escaping.mean())} of the time it gave up "
             "descending to get away from where they brought it to rest, "
             f"{times(len(true_intervals(escaping)))}.{held}"
         )
@@ -67,8 +67,8 @@ def _explored(
     began = times(len(true_intervals(exploring)))
     still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
-        f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
-        f"the time, began {began}, {still}. In {percent(share)} of that it "
+        f"A conflict at {name} does not end: it is explored for {percent(exploring.mean())} of "
+        f"the time, began {began}, {still}. For {percent(share)} of that, it "
         f"was {meeting.labels[dominant]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
     )
     return text, _goals(meeting, dominant, opponent)
@@ -85,7 +85,7 @@ def _not_explored(
     if ratio > 1.5:
         strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
     text = (
-        f"Gradients oppose each other at {name} in {percent(steps.mean())} of the time (cosine "
+        f"Gradients oppose each other at {name} for {percent(steps.mean())} of the time (cosine "
         f"{cosine:+.2f}): {meeting.labels[dominant]} against {meeting.labels[opponent]}. "
         f"{strength}"
     )

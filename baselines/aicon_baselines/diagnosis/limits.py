@@ -32,8 +32,8 @@ def find_limits(history: History, since: int) -> Iterator[Finding]:
 
         which = "" if len(shares) == 1 else f", component {listed([str(i) for i in components])},"
         text = (
-            f"{name}{which} is at its limit in {percent(shares[components].min())} of the time: "
-            "more is wished for than it can do."
+            f"{name}{which} is at its limit for {percent(shares[components].min())} of the time: "
+            "the goals ask for more than it can do."
         )
         yield Finding("limit", text, since * history.dt, (name,))
 
@@ -45,7 +45,7 @@ def find_slowness(history: History, since: int) -> Iterator[Finding]:
         if curve.constraints and STILL < used < HELD_BACK:
             text = (
                 f"{name} uses {percent(used)} of its limit: it is slowed down by "
-                f"{listed(curve.constraints)}, so that everything takes longer."
+                f"{listed(curve.constraints)}, so everything takes longer."
             )
             yield Finding("constraint", text, since * history.dt, (name,))
 
@@ -57,9 +57,9 @@ def find_coarseness(history: History, since: int) -> Iterator[Finding]:
             continue
         text = (
             f"{name} rests although a gradient is left there ({curve.gradient[-1]:.3g}). Its "
-            "action comes about in inner steps on what the model foresees, and what one does the "
-            "next takes back: the foreseen cost has a sharp valley here, or what is left is less "
-            f"than the last step, {percent(curve.smallest or 0.0)} of the limit, would change."
+            "action is found in inner steps on the cost that the model foresees, and each of them "
+            "undoes the one before: that cost has a sharp valley here, or is nearer to its least "
+            f"than the smallest step, {percent(curve.smallest or 0.0)} of the limit, can tell."
         )
         yield Finding("limit", text, since * history.dt, (name,))
 

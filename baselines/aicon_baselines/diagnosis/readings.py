@@ -25,7 +25,7 @@ def find_silence(history: History, since: int) -> Iterator[Finding]:
         missing = ~present[since:]
         if missing.mean() < OFTEN:
             continue
-        text = f"{name} had no reading in {percent(missing.mean())} of the time"
+        text = f"{name} had no reading for {percent(missing.mean())} of the time"
         text += ", and none at the end." if missing[-1] else "."
         yield Finding("silence", text, since * history.dt, (name,))
 
