@@ -25,6 +25,7 @@ from aicon_torch.policy import Policy
 from aicon_torch.quantities import PRESENT, Sensor
 from aicon_torch.readings.observation import as_array, as_tensor
 from aicon_torch.resolution import Memory
+from aicon_torch.validation import check_flag
 
 PROPOSAL = "proposal"
 """The sensor, and the observation's key, of what is proposed."""
@@ -81,7 +82,8 @@ class Shield:
     Raises:
         GraphError: If the model has another number of actuators than one, no safety goal that
             bounds it, or one of the names that the shield adds, or nominal reads no proposal.
-        OptionError: If the policy proposes nothing, or the model or nominal is none.
+        OptionError: If the policy proposes nothing, the model or nominal is none, or goes_around is
+            neither True nor False.
 
     Example:
         >>> shield = Shield(PPO.load("agent.zip"), WorldModel(...))
@@ -98,8 +100,9 @@ class Shield:
         size: int | None = None,
         goes_around: bool = True,
     ) -> None:
-        if not callable(getattr(policy, "predict", policy)):
+        if isinstance(policy, type) or not callable(getattr(policy, "predict", policy)):
             raise OptionError(f"policy={policy!r}: expected something with predict, or a function.")
+        check_flag("goes_around", goes_around)
         self.inner = policy
         following = _following(model, nominal, size, goes_around)
         self.policy = Policy(following, law=DirectDescent(gain=1.0, smoothing=0.0))

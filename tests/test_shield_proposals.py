@@ -164,8 +164,11 @@ def test_an_observation_without_keys_is_refused() -> None:
 
 
 def test_what_cannot_be_shielded_is_refused_by_name() -> None:
-    with pytest.raises(OptionError, match="something with predict, or a function"):
-        Shield(3, world())
+    for no_policy in (3, Shield):  # a class is none before it is made
+        with pytest.raises(OptionError, match="something with predict, or a function"):
+            Shield(no_policy, world())
+    with pytest.raises(OptionError, match="goes_around='no': expected True or False"):
+        Shield(straight, world(), goes_around="no")  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(OptionError, match="a WorldModel, such as policy.model, got Shield"):
         Shield(straight, Shield(straight, world()))  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(GraphError, match=r"an action of shape \(1,\); expected \(2,\)"):
