@@ -71,7 +71,7 @@ def test_a_start_that_is_none_is_named(start: Any) -> None:
     with pytest.raises(GraphError, match="'p.noise'"):
         tracking_model().learn(start={"p.noise": start})
     with pytest.raises(GraphError, match="start=3: expected numbers by name"):
-        tracking_model().learn(start=3)  # type: ignore[arg-type]
+        tracking_model().learn(start=3)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(GraphError, match="learn: expected the name of a number: .*'p.noise'"):
         tracking_model().learn()
 

@@ -229,4 +229,4 @@ def test_a_policy_that_does_not_explore_is_refused() -> None:
         with pytest.raises(OptionError, match=f"every={every}"):
             WaysAlong(wandering(), every=every)  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="policy=3: expected Policy"):
-        WaysAlong(3)  # type: ignore[arg-type]
+        WaysAlong(3)  # type: ignore[arg-type]  # wrong on purpose

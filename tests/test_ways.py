@@ -79,7 +79,7 @@ def test_a_policy_without_places_is_refused() -> None:
     with pytest.raises(OptionError, match="count=0"):
         OtherPlaces(policy(), 0)
     with pytest.raises(OptionError, match="policy=3: expected Policy"):
-        OtherPlaces(3)  # type: ignore[arg-type]
+        OtherPlaces(3)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def first_step(cost: Callable[[Mapping[str, Tensor]], Any]) -> dict[str, Tensor]:

@@ -113,6 +113,7 @@ def _check_sensors(declaration: Declaration, readings: Mapping[str, Tensor]) -> 
                 f"is_possible of Sensor {name!r} cannot be evaluated on readings "
                 f"{tuple(readings[name].shape)}: {error!r}"
             ) from error
+
         is_dense = isinstance(told, Tensor) and not is_masked_tensor(told)
         if not is_dense or told.dtype != torch.bool or told.shape != BATCH:
             got = f"{told.dtype} {tuple(told.shape)}" if is_dense else repr(told)

@@ -77,6 +77,7 @@ class Exploration:
         check_flags(self)
         check_positive(self, ("ratio", "average_time"))
         check_instance(self, ("escape",), TrapEscape, "TrapEscape()")
+
         for name in ("enter_cosine", "exit_cosine"):
             numbers(name, getattr(self, name), 1)
         if not -1 <= self.enter_cosine <= self.exit_cosine <= 1:

@@ -51,7 +51,7 @@ class Camera:
 
 def test_a_perception_in_one_part_is_refused() -> None:
     with pytest.raises(OptionError, match=r"begin=None: expected a function, begin\(\.\.\.\)"):
-        BackgroundPerception(lambda observation, values, starts: observation)  # type: ignore[arg-type]
+        BackgroundPerception(lambda *_: {})  # type: ignore[arg-type]  # wrong on purpose
 
 
 def image_of(distance: float) -> dict[str, Any]:

@@ -204,7 +204,7 @@ def test_a_key_that_may_be_missing_and_is_misspelt_is_told_once(
 def test_other_keys_are_not_taken_for_misspelt_ones(caplog: pytest.LogCaptureFixture) -> None:
     seen_at().predict({"pixels": np.zeros(3), "placard": 1, 3: 4, "place_age": np.zeros(())})
     seen_at().predict({"place": np.zeros(2), "places": 1})
-    numbered = {"z": Sensor(2, "m", key=3, optional=True)}  # type: ignore[arg-type]
+    numbered = {"z": Sensor(2, "m", key=3, optional=True)}  # type: ignore[arg-type]  # wrong on purpose
     Policy(tracking_model(sensors=numbered), law=DirectDescent()).predict({"places": 1})
     assert not caplog.records
 

@@ -99,7 +99,7 @@ class Operations(TorchDispatchMode):
 
         # What torch.tensor(...) made is copied, so that nothing changes it later.
         func = ATEN.lift_fresh_copy.default if func is ATEN.lift_fresh.default else func
-        # An operator of ours may compute in numpy.
+        # An operator of ours may compute in numpy. (torch leaves what allows it untyped.)
         with torch._C.DisableTorchFunction():  # type: ignore[no-untyped-call]
             operation = Operation(func, args, kwargs, func(*args, **kwargs))
         self._noted.append(operation)

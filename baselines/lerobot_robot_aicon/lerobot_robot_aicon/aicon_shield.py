@@ -121,10 +121,14 @@ class AiconShield(Robot):
                 f"action: the robot has no {', '.join(unknown)}; it has "
                 f"{', '.join(self.action_features)}."
             )
+
+        # The nearest action that is allowed, from where the robot stands.
         measured = self.get_observation() if self._measured is None else self._measured
         self._measured = None  # once it has moved, it stands elsewhere
         allowed = self._shield(measured, action)
         self._interference.note()
+
+        # Before two readings agree there is none.
         if not allowed.keys() >= set(self._shield.joints.keys):
             return {}
         sent: dict[str, Any] = self.inner.send_action(allowed)

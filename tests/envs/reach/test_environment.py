@@ -142,7 +142,7 @@ def test_a_home_may_be_a_list_or_an_array() -> None:
         gains: Any = kind([[1.0, 2.0]] * 6)
         assert Robot(ur5.urdf, ur5.tip, gains=gains).gains == ((1.0, 2.0),) * 6
     with pytest.raises(ValueError, match="home must be 6 finite numbers"):
-        ReachEnv(Robot(ur5.urdf, ur5.tip, home="up"))  # type: ignore[arg-type]
+        ReachEnv(Robot(ur5.urdf, ur5.tip, home="up"))  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize("number", [0, -1, 3, 1.5, "first"])
