@@ -13,6 +13,7 @@ from aicon_torch.parts import reading_of
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 
 
+@pytest.mark.slow
 def test_a_compiled_step_and_an_exported_one_agree_to_the_last_bit(tmp_path: Path) -> None:
     path = tmp_path / "policy.so"
     policy().export(path)

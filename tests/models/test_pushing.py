@@ -5,6 +5,7 @@ import pytest
 import torch
 from torch import Tensor
 
+from aicon_torch import Policy
 from aicon_torch.models.pushing import Hand, build_policy
 from aicon_torch.parts import ContactOptions, RoundObject
 
@@ -41,12 +42,19 @@ class Table:
         return float(torch.linalg.norm(self.place - self.goal[:2]))
 
 
+@pytest.fixture(scope="module")
+def compiled() -> Policy:
+    return build_policy(HAND, PUCK).compile()
+
+
 @pytest.mark.parametrize("hand", [(-0.1, 0.02), (0.12, 0.01), (0.03, -0.1)])
-def test_the_hand_comes_to_the_far_side_and_pushes(hand: tuple[float, float]) -> None:
+def test_the_hand_comes_to_the_far_side_and_pushes(
+    hand: tuple[float, float], compiled: Policy
+) -> None:
     table = Table(hand, goal=(0.2, 0.05))
-    policy = build_policy(HAND, PUCK).compile()
+    compiled.reset()
     for _ in range(60):
-        table.step(policy.act(table.seen()))
+        table.step(compiled.act(table.seen()))
     assert table.error < 0.05
     assert float(table.hand[2]) == pytest.approx(0.02, abs=0.005)
 

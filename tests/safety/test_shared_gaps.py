@@ -94,7 +94,15 @@ def gaps(policy: Policy, dt: float, holds: Mapping[str, bool]) -> list[float]:
 
 
 @pytest.mark.parametrize("directly", [False, True])
-@pytest.mark.parametrize(("dt", "braking"), [(0.25, 0.3), (0.1, 0.15), (0.1, 0.1), (0.05, 0.02)])
+@pytest.mark.parametrize(
+    ("dt", "braking"),
+    [
+        (0.25, 0.3),
+        pytest.param(0.1, 0.15, marks=pytest.mark.slow),
+        pytest.param(0.1, 0.1, marks=pytest.mark.slow),
+        (0.05, 0.02),
+    ],
+)
 def test_two_carriages_do_not_meet(dt: float, braking: float, directly: bool) -> None:
     found = gaps(carriages(dt, braking, directly), dt, {"left": False, "right": False})
     assert min(found) > -1e-9

@@ -41,7 +41,14 @@ MOVES = {
     "half a turn": (math.pi, (0.0, 0.0)),
     "turned and shifted": (2.3, (400.0, 300.0)),
 }
-each_move = pytest.mark.parametrize(("angle", "shift"), MOVES.values(), ids=MOVES.keys())
+each_move = pytest.mark.parametrize(
+    ("angle", "shift"),
+    [
+        pytest.param(*MOVES["shifted"], id="shifted", marks=pytest.mark.slow),
+        pytest.param(*MOVES["half a turn"], id="half a turn", marks=pytest.mark.slow),
+        pytest.param(*MOVES["turned and shifted"], id="turned and shifted"),
+    ],
+)
 
 
 def without_dither(**options: Any) -> Policy:

@@ -2,6 +2,7 @@
 
 import pytest
 import torch
+from _inputs import quick
 from _inputs.reaching import DT, planar_arm, reach
 from torch import Tensor
 
@@ -13,7 +14,7 @@ TARGETS = torch.tensor([(-0.2, 0.6, 0.0), (0.3, -0.5, 0.0), (0.55, 0.35, 0.0)], 
 
 def ways(haste: float) -> Tensor:
     """The ways of the joints to the targets, ``(steps, targets, 3)``."""
-    policy = make_policy("reach", robot=planar_arm(), **{"dampers.haste": haste})
+    policy = quick(make_policy("reach", robot=planar_arm(), **{"dampers.haste": haste}))
     way, _ = reach(policy, START.expand(3, -1), 2.0, target_position=TARGETS)
     return way
 
