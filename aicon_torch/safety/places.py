@@ -188,9 +188,12 @@ class Places:
         detour = self._detour(action, clock, room, memory)
 
         # Where it goes then: to the next place of the sequence, to a known one, or back.
-        stops, number = self._stops(is_held_up, room, memory), self.next_number(memory)
+        stops = self._stops(is_held_up, room, memory)
+        number = self.next_number(memory)
         following = self._place(number, stops)
-        turn, more = Turn(is_held_up, torch.zeros_like(is_held_up), following), Memory()
+        turn = Turn(is_held_up, torch.zeros_like(is_held_up), following)
+
+        more: Memory = {}  # of what is an option
         if self.options.seeks:
             turn, found = self._turn(turn, detour, cost, room, memory)
             more |= self._searched(found, action, room, stops, memory)
@@ -208,7 +211,7 @@ class Places:
         ends = (detour.is_over | (~is_free & is_other)) & ~begins
         restarts = begins | ends | is_other | is_lower
         return {
-            **self._next(turn._replace(begins=begins), ends, detour, room, memory),
+            **self._next_state(turn._replace(begins=begins), ends, detour, room, memory),
             "stops": stops,
             "clock": torch.where(restarts, 0.0, clock),
             "lowest": torch.where(restarts, now, memory["lowest"]),
@@ -218,7 +221,7 @@ class Places:
         }
 
     def _forgotten(self, is_other: Tensor, memory: Memory) -> Memory:
-        """Stops and counts of places, which are those of the goals."""
+        """Stops and counts of places: none where the goals are other ones ``(*B,)``."""
         counts = ("escapes", "blind", "ahead")
         forgotten = {key: torch.where(is_other, 0, memory[key]) for key in counts if key in memory}
         return forgotten | {"stops": torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])}
@@ -261,7 +264,7 @@ class Places:
         is_over = memory["escaping"] & (is_there | (slow >= BLOCKED) | (clock >= longest))
         return Detour(left, slow, is_over, fails=is_over & memory["to_known"] & ~is_there)
 
-    def _next(
+    def _next_state(
         self,
         turn: Turn,
         ends: Tensor,
