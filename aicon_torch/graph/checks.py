@@ -14,6 +14,7 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph.paths import Edge
 from aicon_torch.interconnections import Values
 from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
+from aicon_torch.readings.sensor_validation import NEVER
 
 Result = TypeVar("Result")
 
@@ -331,6 +332,16 @@ def outputs_of(
         f"{method} of {type(estimator).__name__} {estimator.outputs[0]!r}: expected a "
         f"dictionary with the values of {choices(estimator.outputs)}, got {got}."
     )
+
+
+def check_precision(dtype: Any) -> None:
+    """Reject a type that cannot hold what a step counts, such as how long there was no reading."""
+    is_type = isinstance(dtype, torch.dtype) and dtype.is_floating_point
+    if not (is_type and torch.finfo(dtype).max > NEVER):
+        raise GraphError(
+            f"dtype={dtype!r}: expected a floating-point type with numbers up to {NEVER:g}, such "
+            "as torch.float32 or torch.float64."
+        )
 
 
 def other_precision(dtype: torch.dtype) -> str:

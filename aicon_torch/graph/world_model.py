@@ -1,7 +1,7 @@
 """The world model: a graph of sensors, actuators, estimators and goals, run one step at a time."""
 
 import copy
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
-from aicon_torch.graph.checks import check_kinds
+from aicon_torch.graph.checks import check_kinds, check_precision
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
@@ -23,7 +23,6 @@ from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
 from aicon_torch.learned import learned_in, make_learn, numbers_of
 from aicon_torch.quantities import Actuator, Sensor
-from aicon_torch.readings.sensor_validation import NEVER
 from aicon_torch.shaping import straight_through
 
 
@@ -96,12 +95,8 @@ class WorldModel(nn.Module):
         dtype: torch.dtype | None = None,
     ) -> None:
         super().__init__()
-        is_type = isinstance(dtype, torch.dtype) and dtype.is_floating_point
-        if dtype is not None and not (is_type and torch.finfo(dtype).max > NEVER):
-            raise GraphError(
-                f"dtype={dtype!r}: expected a floating-point type such as torch.float64, with "
-                f"numbers up to {NEVER:g}."
-            )
+        dtype = torch.get_default_dtype() if dtype is None else dtype
+        check_precision(dtype)
         if torch.is_inference_mode_enabled():
             raise GraphError(
                 "A model is differentiated when it is built, which torch.inference_mode() does not "
@@ -117,7 +112,7 @@ class WorldModel(nn.Module):
         for name in self.actuators:
             self._parts.extend(declared.functions_of(name))
         self.register_buffer("like", torch.zeros((), device="cpu"), persistent=False)
-        self.to("cpu", dtype or torch.get_default_dtype())
+        self.to("cpu", dtype)
 
         # Its edges are found by differentiating it.
         with undisturbed(self.like), torch.enable_grad():
@@ -125,6 +120,12 @@ class WorldModel(nn.Module):
         self.estimators, self.owners = self.graph.estimators, self.graph.owners
         self.quantities, self.edges = self.graph.quantities, self.graph.edges
         self._register_learned()
+
+    def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> "WorldModel":
+        """Move it, or convert it to a precision that it can have, as ``half()`` cannot."""
+        check_precision(fn(self.like).dtype)
+        super()._apply(fn, recurse)  # type: ignore[no-untyped-call]  # torch's
+        return self
 
     def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "WorldModel":
         """This model with an estimator more, and the sensors that it reads.

@@ -1,6 +1,6 @@
 """A rigid object in the plane: a polygon with mass properties, registered by its corners."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import torch
@@ -8,6 +8,7 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.planar import as_points, cross, norm, rotate
+from aicon_torch.quantities import as_count
 from aicon_torch.validation import numbers
 
 
@@ -199,7 +200,8 @@ def _order(outline_order: Sequence[int] | None, corners: Tensor) -> list[int]:
     count = len(corners)
     order = list(range(count))
     if outline_order is not None:
-        order = [int(index) for index in outline_order]
+        given = outline_order if isinstance(outline_order, Iterable) else ()
+        order = [as_count(index) for index in given]
 
     if sorted(order) != list(range(count)):
         raise OptionError(

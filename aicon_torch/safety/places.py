@@ -73,6 +73,22 @@ class Turn(NamedTuple):
     place: Tensor
 
 
+class Detour(NamedTuple):
+    """How a detour goes on.
+
+    Attributes:
+        left: What is left to go of a component without a range, ``(*B, n)``.
+        slow: For how long it has been blocked, ``(*B,)``.
+        is_over: Whether it is: there, blocked, or late, ``(*B,)``.
+        fails: Whether it led to a known place and is over before its end, ``(*B,)``.
+    """
+
+    left: Tensor
+    slow: Tensor
+    is_over: Tensor
+    fails: Tensor
+
+
 class Places:
     """Detects that an actuator is held up, and moves it to another place.
 
@@ -158,84 +174,117 @@ class Places:
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
-        now, clock, is_free = cost.at_rest, memory["clock"] + self.step, ~memory["escaping"]
+        # Where the goals are other ones, all is forgotten.
+        now, is_free = cost.at_rest, ~memory["escaping"]
         is_other = is_of_other_goals(cost, memory["before"], self.limits, OTHER)
-        is_lower = is_free & (now < (1.0 - PROGRESS) * memory["lowest"])
-        highest = torch.maximum(now, memory["highest"])
+        memory = memory | self._forgotten(is_other, memory)
 
-        # From FREE to a DETOUR: where it is held up, and at which stops.
+        # FREE, until it is held up; on a DETOUR, until that is over.
+        clock, highest = memory["clock"] + self.step, torch.maximum(now, memory["highest"])
+        is_lower = is_free & (now < (1.0 - PROGRESS) * memory["lowest"])
         is_late = ~is_lower & (clock >= self.options.patience) & (now > self.options.near)
         is_steady = highest < (1.0 + UNSTEADY) * memory["lowest"]
-        is_held_up = is_late & (is_steady | _is_opposed(nominal, allowed))
-        begins = is_free & is_held_up & ~is_other
-        stops = torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])
-        if self.options.remembers:
-            stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
-        escapes = torch.where(is_other, 0, memory["escapes"])
+        is_held_up = is_late & (is_steady | _is_opposed(nominal, allowed)) & is_free & ~is_other
+        detour = self._detour(action, clock, room, memory)
 
-        # The DETOUR is over: there, blocked, or late.
-        left = memory["direction"] - self.dt * action
-        way = _way(memory["place"], room, left)
-        is_there = way.abs().amax(-1) < ARRIVED
-        is_blocked, slow = self._is_blocked(action, way, memory)
-        longest = torch.where(memory["to_known"], 2.0 * LONGEST, LONGEST)
-        is_over = ~is_free & (is_there | is_blocked | (clock >= longest))
-
-        # Where it leads to.
-        number = torch.where(is_other, 0, self.next_number(memory))
+        # Where it goes then: to the next place of the sequence, to a known one, or back.
+        stops = self._stops(is_held_up, room, memory)
+        number = self.next_number(memory)
         following = self._place(number, stops)
-        turn = Turn(begins, torch.zeros_like(begins), following)
-        blind = torch.where(is_other, 0, memory["blind"])
-        if self.options.seeks:
-            found = self.search(cost, room, memory)
-            fails = is_over & memory["to_known"] & ~is_there
-            is_due = self._is_due(escapes, blind, memory)
-            turn, found = self._turn(turn, found, fails, is_due, room, memory)
-        if self.options.gives_up is not None:
-            gave_up = ~is_other & (memory["gave_up"] | (turn.begins & self._is_last(escapes)))
-            turn = self._last_turn(turn, escapes, now, room, memory)
-        begins, to_known = turn.begins & ~is_other, turn.to_known
-        ends = (is_over | (~is_free & is_other)) & ~begins
-        place = torch.where(begins.unsqueeze(-1), turn.place, memory["place"])
-        left = torch.where(begins.unsqueeze(-1), math.pi * turn.place, left)
+        turn = Turn(is_held_up, torch.zeros_like(is_held_up), following)
 
-        restarts = begins | ends | is_other | is_lower
-        remembered = {
-            "escaping": (~is_free | begins) & ~ends,
-            "direction": _way(place, room, left),
-            "place": place,
-            "stops": stops,
-            "clock": torch.where(restarts, 0.0, clock),
-            "slow": torch.where(begins, 0.0, slow),
-            "lowest": torch.where(restarts, now, memory["lowest"]),
-            "highest": torch.where(restarts, now, highest),
-            "escapes": escapes + begins,
-            "blind": blind + (begins & ~to_known),
-            "to_known": torch.where(begins, to_known, memory["to_known"]),
-            "before": now,
-        }
+        more: Memory = {}  # of what is an option
         if self.options.seeks:
-            remembered |= self._searched(found, action, room, stops, memory)
+            turn, found = self._turn(turn, detour, cost, room, memory)
+            more |= self._searched(found, action, room, stops, memory)
+        if self.options.gives_up is not None:
+            gave_up = ~is_other & (memory["gave_up"] | (turn.begins & self._is_last(memory)))
+            more |= nearest_so_far(now, is_other, self.dt * action, gave_up, memory)
+            turn = self._last_turn(turn, now, room, memory)
+
+        begins = turn.begins & ~is_other
         if self.options.looks_ahead:
             ahead = self._ahead(cost, number, following, room, memory)
-            remembered |= ahead.remembered(begins & ~to_known)
-        if self.options.gives_up is not None:
-            remembered |= nearest_so_far(now, is_other, self.dt * action, gave_up, memory)
-        return remembered
+            more |= ahead.remembered(begins & ~turn.to_known)
 
-    def _is_blocked(self, action: Tensor, way: Tensor, memory: Memory) -> tuple[Tensor, Tensor]:
-        """Whether a detour is blocked, ``(*B,)``, and for how long it has been slow.
+        # The next state, and since when the cost counts.
+        ends = (detour.is_over | (~is_free & is_other)) & ~begins
+        restarts = begins | ends | is_other | is_lower
+        return {
+            **self._next_state(turn._replace(begins=begins), ends, detour, room, memory),
+            "stops": stops,
+            "clock": torch.where(restarts, 0.0, clock),
+            "lowest": torch.where(restarts, now, memory["lowest"]),
+            "highest": torch.where(restarts, now, highest),
+            "before": now,
+            **more,
+        }
+
+    def _forgotten(self, is_other: Tensor, memory: Memory) -> Memory:
+        """Stops and counts of places: none where the goals are other ones ``(*B,)``."""
+        counts = ("escapes", "blind", "ahead")
+        forgotten = {key: torch.where(is_other, 0, memory[key]) for key in counts if key in memory}
+        return forgotten | {"stops": torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])}
+
+    def _stops(self, is_held_up: Tensor, room: tuple[Tensor, Tensor], memory: Memory) -> Tensor:
+        """At which stop each component is, −1 low and 1 high, or was last, ``(*B, n)``."""
+        known = memory["stops"]
+        if not self.options.remembers:
+            return known
+
+        down, up = room
+        at_low = torch.where(down < STOP, -1.0, known)
+        stops = torch.where(up < STOP, 1.0, at_low)
+        return torch.where(is_held_up.unsqueeze(-1), stops, known)
+
+    def _detour(
+        self, action: Tensor, clock: Tensor, room: tuple[Tensor, Tensor], memory: Memory
+    ) -> Detour:
+        """How its detour goes on.
 
         Args:
             action: What is done, ``(*B, n)``.
-            way: What is left of the way after it, ``(*B, n)``.
+            clock: For how long it has been on it, ``(*B,)``.
+            room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
+        # There, ...
+        left = memory["direction"] - self.dt * action
+        way = _way(memory["place"], room, left)
+        is_there = way.abs().amax(-1) < ARRIVED
+
+        # ... blocked, where the way to a known place no longer gets shorter, or nothing moves, ...
         nearer = time_of(memory["direction"], self.limits) - time_of(way, self.limits)
         is_stalled = memory["to_known"] & (nearer < SLOW * self.dt)
         is_slow = is_stalled | (time_of(action, self.limits) < SLOW)
         slow = torch.where(is_slow & memory["escaping"], memory["slow"] + self.step, 0.0)
-        return slow >= BLOCKED, slow
+
+        # ... or late.
+        longest = torch.where(memory["to_known"], 2.0 * LONGEST, LONGEST)
+        is_over = memory["escaping"] & (is_there | (slow >= BLOCKED) | (clock >= longest))
+        return Detour(left, slow, is_over, fails=is_over & memory["to_known"] & ~is_there)
+
+    def _next_state(
+        self,
+        turn: Turn,
+        ends: Tensor,
+        detour: Detour,
+        room: tuple[Tensor, Tensor],
+        memory: Memory,
+    ) -> Memory:
+        """The next state, and its way: a turn, or a detour that goes on or ends ``(*B,)``."""
+        begins, to_known = turn.begins, turn.to_known
+        place = torch.where(begins.unsqueeze(-1), turn.place, memory["place"])
+        left = torch.where(begins.unsqueeze(-1), math.pi * turn.place, detour.left)
+        return {
+            "escaping": (memory["escaping"] | begins) & ~ends,
+            "direction": _way(place, room, left),
+            "place": place,
+            "slow": torch.where(begins, 0.0, detour.slow),
+            "escapes": memory["escapes"] + begins,
+            "blind": memory["blind"] + (begins & ~to_known),
+            "to_known": torch.where(begins, to_known, memory["to_known"]),
+        }
 
     def _ahead(
         self,
@@ -257,17 +306,11 @@ class Places:
         ahead = LookAhead(number, _way(place, room, math.pi * place), memory["look"])
         return ahead.after(cost.of_safety(ahead.looked_at / self.dt) <= 0.0)
 
-    def _is_due(self, escapes: Tensor, blind: Tensor, memory: Memory) -> Tensor:
-        """Whether a known place may be the next, ``(*B,)``.
-
-        Args:
-            escapes: How often it went elsewhere, ``(*B,)``.
-            blind: How often of these to a place of the sequence, ``(*B,)``.
-            memory: What was remembered.
-        """
-        is_blind = memory["escaping"] & ~memory["to_known"]
+    def _is_due(self, memory: Memory) -> Tensor:
+        """Whether a known place may be the next, ``(*B,)``."""
+        is_blind, blind = memory["escaping"] & ~memory["to_known"], memory["blind"]
         blind_before = blind - is_blind.to(blind)
-        return escapes - blind < self._turns_of_known(blind_before)
+        return memory["escapes"] - blind < self._turns_of_known(blind_before)
 
     def _turns_of_known(self, blind: Tensor) -> Tensor:
         """How many known places have their turns before the next one of the sequence, ``(*B,)``.
@@ -283,9 +326,8 @@ class Places:
     def _turn(
         self,
         turn: Turn,
-        found: Found,
-        fails: Tensor,
-        is_due: Tensor,
+        detour: Detour,
+        cost: FollowedCost,
         room: tuple[Tensor, Tensor],
         memory: Memory,
     ) -> tuple[Turn, Found]:
@@ -293,19 +335,22 @@ class Places:
 
         Args:
             turn: To the next place of the sequence where it is held up.
-            found: What the search knows.
-            fails: Whether the way to a known place is over before its end, ``(*B,)``.
-            is_due: Whether a known place may be the next, ``(*B,)``.
+            detour: How its detour goes on.
+            cost: What the goals cost, here and after a step.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
+
+        Returns:
+            Where it goes, and what the search knows.
         """
+        found = self.search(cost, room, memory)
         head = found.known.head(self.limits)
         way = (found.known.ways * head.unsqueeze(-1)).sum(0)
-        to_known = head.any(0) & is_due
+        to_known = head.any(0) & self._is_due(memory)
 
         # In the midst of a detour: to one that has become known, or on from one that fails.
         is_blind = memory["escaping"] & ~memory["to_known"]
-        begins = turn.begins | (is_blind & to_known) | fails
+        begins = turn.begins | (is_blind & to_known) | detour.fails
         place = torch.where(to_known.unsqueeze(-1), _place_at(way, room), turn.place)
 
         tried = found.known.tries + (head & begins & to_known)
@@ -326,29 +371,23 @@ class Places:
         next_ways = _way(following, room, math.pi * following)
         return self.search.remembered(found, memory["places"], next_ways, self.dt * action)
 
-    def _is_last(self, escapes: Tensor) -> Tensor:
+    def _is_last(self, memory: Memory) -> Tensor:
         """Whether it has been to all the places to which it may go, ``(*B,)``."""
         assert self.options.gives_up is not None
-        return escapes >= self.options.gives_up
+        return memory["escapes"] >= self.options.gives_up
 
     def _last_turn(
-        self,
-        turn: Turn,
-        escapes: Tensor,
-        now: Tensor,
-        room: tuple[Tensor, Tensor],
-        memory: Memory,
+        self, turn: Turn, now: Tensor, room: tuple[Tensor, Tensor], memory: Memory
     ) -> Turn:
         """Back to where the cost was least, once it has been to all its places; there it stays.
 
         Args:
             turn: Where it would go otherwise.
-            escapes: How often it went elsewhere, ``(*B,)``.
             now: The cost, ``(*B,)``.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
-        is_last = self._is_last(escapes)
+        is_last = self._is_last(memory)
         is_nearest = now < (1.0 + PROGRESS) * memory["nearest"]
         stays = is_last & (is_nearest | memory["escaping"])
         nearest = _place_at(memory["nearest_way"], room)
@@ -427,13 +466,6 @@ def _is_opposed(nominal: Tensor, action: Tensor) -> Tensor:
     """Whether the constraints take away a good share of the nominal action, ``(*B,)``."""
     opposition = ((nominal - action) * nominal).sum(-1)
     return opposition > OPPOSED * (nominal * nominal).sum(-1)
-
-
-def _stops(room: tuple[Tensor, Tensor], known: Tensor) -> Tensor:
-    """At which stop each component is, −1 low and 1 high, or was last, ``(*B, n)``."""
-    down, up = room
-    at_low = torch.where(down < STOP, -1.0, known)
-    return torch.where(up < STOP, 1.0, at_low)
 
 
 def spread(index: Tensor, like: Tensor) -> Tensor:

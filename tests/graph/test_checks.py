@@ -11,10 +11,12 @@ from torch import Tensor
 from aicon_torch import (
     Actuator,
     Deterministic,
+    DirectDescent,
     Goal,
     GraphError,
     LateEKF,
     Measurement,
+    Policy,
     Sensor,
     WorldModel,
 )
@@ -190,6 +192,15 @@ def test_a_graph_that_cannot_work_is_refused(make: Callable[[], Any], culprit: s
 def test_what_is_late_and_what_is_remembered_make_a_model_that_works() -> None:
     model = late_model(moved_by={"x": 2, "f": 2, "f.present": 1})
     assert model.quantities["p_moves"].size == 5 * 4
+
+
+def test_a_model_that_cannot_have_a_precision_keeps_its_own() -> None:
+    policy = Policy(tracking_model(), law=DirectDescent(gain=1.0))
+    for convert in (policy.half, lambda: policy.to("cpu", torch.float16)):
+        with pytest.raises(GraphError, match=r"numbers up to 1e\+09, such as torch.float32 or"):
+            convert()
+    assert policy.model.like.dtype == torch.float64
+    assert policy.float().model.like.dtype == torch.float32
 
 
 def test_the_same_parts_make_a_model_that_works() -> None:

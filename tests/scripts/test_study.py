@@ -19,7 +19,14 @@ def test_it_saves_and_prints_the_results(
 
     assert "| resolution.temperature=1.0 | 0.0% (0.0% to 65.8%) |" in capsys.readouterr().out
     files = {path.name for path in out.iterdir()}
-    assert files == {".lock", "config.json", "episodes.csv", "study.json", "study.png"}
+    assert files == {
+        ".lock",
+        "config.json",
+        "episodes.csv",
+        "study.json",
+        "study.png",
+        "versions.json",
+    }
 
 
 def test_it_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -63,6 +63,24 @@ static inline real modulo(real a, real b) {{
   real rest = rest_of(a, b);
   return (rest != 0 && (rest < 0) != (b < 0)) ? rest + b : rest;
 }}
+static inline real quotient_below(real a, real b) {{
+  if (b == 0) return a / b;
+  real rest = rest_of(a, b), quotient = (a - rest) / b;
+  if (rest != 0 && (rest < 0) != (b < 0)) quotient -= 1;
+  if (quotient == 0) return copysign{suffix}(0, a / b);
+  real whole = rounded_down(quotient);
+  return quotient - whole > (real)0.5 ? whole + 1 : whole;
+}}
+
+/* The same of integers, beyond those that are real numbers; by 0 both are 0, where torch stops. */
+static inline integer modulo_of_integers(integer a, integer b) {{
+  integer rest = b == 0 ? 0 : a % b;
+  return (rest != 0 && (rest < 0) != (b < 0)) ? rest + b : rest;
+}}
+static inline integer quotient_of_integers(integer a, integer b) {{
+  if (b == 0) return 0;
+  return a / b - (a % b != 0 && (a < 0) != (b < 0));
+}}
 
 {"".join(ROUTINES.values())}"""
 

@@ -52,13 +52,8 @@ def divide(
     writer: Writer, kind: Kind, first: Any, second: Any, rounding_mode: str | None = None
 ) -> Array:
     """Quotient, rounded if asked."""
-    # Rounded down it is that of what divides without a remainder: 0.5 holds 0.1 four times.
     if rounding_mode == "floor":
-        remainder = writer.map("remainder", "real", first, second)
-        whole = writer.map("sub", "real", first, remainder)
-        by_nothing = writer.map("eq", "bool", second, 0)  # the quotient is infinite then
-        first, rounding_mode = writer.map("where", "real", by_nothing, first, whole), "round"
-
+        return writer.map("floor_divide", kind, first, second)
     quotient = writer.map("div", "real", first, second)
     if rounding_mode is None:
         return quotient
@@ -77,6 +72,8 @@ def power(writer: Writer, kind: Kind, base: Any, exponent: Any) -> Array:
         return writer.map("sqrt", kind, base)
     if exponent == -0.5:
         return inverse_root(writer, kind, base)
+    if kind == "int" and 2 < exponent < 64:  # exact, as far as integers go
+        return writer.map("mul", kind, base, power(writer, kind, base, exponent - 1))
     return writer.map("pow", kind, base, exponent)
 
 

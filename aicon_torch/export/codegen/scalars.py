@@ -85,10 +85,16 @@ class Operation:
     Attributes:
         text: In C, with the arguments' places; ``{f}`` is the suffix of the precision's functions.
         fold: The same in numpy, for constants.
+        of_integers: The text for integers, where that of real numbers would round them.
     """
 
     text: str
     fold: Callable[..., Any]
+    of_integers: str | None = None
+
+    def text_of(self, kind: Kind) -> str:
+        """The text for numbers of a kind."""
+        return self.of_integers if kind == "int" and self.of_integers else self.text
 
 
 def _is_above(a: Any, b: Any) -> Any:
@@ -103,10 +109,13 @@ OPERATIONS: dict[str, Operation] = {
     "mul": Operation("{0} * {1}", np.multiply),
     "div": Operation("{0} / {1}", np.divide),
     "neg": Operation("-{0}", np.negative),
-    "abs": Operation("fabs{f}({0})", np.abs),
-    "maximum": Operation("larger({0}, {1})", np.maximum),
-    "minimum": Operation("smaller({0}, {1})", np.minimum),
-    "remainder": Operation("modulo({0}, {1})", np.remainder),
+    "abs": Operation("fabs{f}({0})", np.abs, "{0} < 0 ? -{0} : {0}"),
+    "maximum": Operation("larger({0}, {1})", np.maximum, "{0} > {1} ? {0} : {1}"),
+    "minimum": Operation("smaller({0}, {1})", np.minimum, "{0} < {1} ? {0} : {1}"),
+    "remainder": Operation("modulo({0}, {1})", np.remainder, "modulo_of_integers({0}, {1})"),
+    "floor_divide": Operation(
+        "quotient_below({0}, {1})", np.floor_divide, "quotient_of_integers({0}, {1})"
+    ),
     "floor": Operation("rounded_down({0})", np.floor),
     "ceil": Operation("rounded_up({0})", np.ceil),
     "round": Operation("rounded({0})", np.rint),

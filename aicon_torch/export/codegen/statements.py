@@ -160,8 +160,8 @@ class Statements:
             index, array = arguments
             value = f"{array}[(unsigned long long){index} < {number.value} ? {index} : 0]"
         else:
-            operation = OPERATIONS[number.operation]
-            value = operation.text.format(*arguments, f=suffix_of(self.program))
+            text = OPERATIONS[number.operation].text_of(number.kind)
+            value = text.format(*arguments, f=suffix_of(self.program))
         return [f"  const {TYPES[number.kind]} {name} = {value};"]
 
     def _list(self, name: str, numbers: Sequence[Number]) -> str:

@@ -11,7 +11,7 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory, Predictor
@@ -125,6 +125,7 @@ class CompiledPolicy:
     """Builds a policy of the library whose step is compiled, which happens at its first one."""
 
     build: Any
+    is_compiled: ClassVar[bool] = True
 
     def __call__(self, condition: str) -> Predictor:
         """Build it for a condition."""
@@ -207,6 +208,7 @@ class ModelPolicy:
     task: TaskOrName
     preset: str
     options: Mapping[str, Any] = field(default_factory=dict)
+    is_compiled: ClassVar[bool] = False
 
     def __call__(self, condition: str) -> Predictor:
         """Build it, with what the task tells a policy about the condition."""

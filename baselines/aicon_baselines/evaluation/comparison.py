@@ -17,7 +17,7 @@ from aicon_baselines.evaluation.progress import progress_bar
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.row import Key, Row, key
 from aicon_baselines.evaluation.run_folder import RunFolder, keep
-from aicon_baselines.evaluation.sources import note_sources
+from aicon_baselines.evaluation.sources import note_sources, note_versions
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.extras import naming_extra
 
@@ -80,6 +80,8 @@ def compare(
 
     # Rows are saved as they arrive, in any order, and sorted at the end.
     if missing:
+        running = {job.policy: policies[job.policy] for job in missing}
+        note_versions(folder.path, running, {row.policy for row in known})
         bar = progress_bar(done, total, folder.count_ended)
         with joblib_backend(backend, jobs, scheduler), bar:
             for rows in _run_all(task, policies, missing, folder):

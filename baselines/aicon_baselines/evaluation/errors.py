@@ -1,6 +1,9 @@
 """The one error of this package that a user can cause and mend, and checks that raise it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import TypeVar
+
+Known = TypeVar("Known")
 
 
 class ComparisonError(ValueError):
@@ -19,3 +22,9 @@ def check_known(kind: str, name: str, known: Iterable[str]) -> None:
     names = tuple(dict.fromkeys(known))
     if name not in names:
         raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {', '.join(names)}")
+
+
+def find_known(kind: str, name: str, known: Mapping[str, Known]) -> Known:
+    """Return what a name stands for; one that is none of a kind is refused likewise."""
+    check_known(kind, name, known)
+    return known[name]

@@ -1,16 +1,23 @@
-"""Which modules of one's own the rows of a folder were made by, and whether these are still so."""
+"""What the rows of a folder were made by: versions, and modules of one's own."""
 
 import hashlib
 import logging
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
+import torch
+
+import aicon_torch
+from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.files import read_json, write_json
 
 SOURCES = "sources.json"
 """File in the folder of a comparison: for each module of one's own the SHA-256 of its file."""
+
+VERSIONS = "versions.json"
+"""File there: for each policy the versions that made its rows, and whether it was compiled."""
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -40,6 +47,42 @@ def note_sources(folder: Path, task: Task, policies: Iterable[str], has_rows: bo
                 folder,
                 file.name,
             )
+    write_json(path, noted)
+
+
+def note_versions(
+    folder: Path, policies: Mapping[str, Factory], with_rows: Collection[str]
+) -> None:
+    """Remember what makes rows, and warn of policies of which other versions have made some.
+
+    Args:
+        folder: The folder of a comparison.
+        policies: What builds each policy that makes rows now, by name.
+        with_rows: Names of the policies that have rows in the folder.
+    """
+    path = folder / VERSIONS
+    noted = read_json(path) if with_rows and path.exists() else {}
+    mixed = []
+
+    for name, build in policies.items():
+        now = {
+            "aicon-torch": aicon_torch.__version__,
+            "torch": str(torch.__version__),
+            "compiled": getattr(build, "is_compiled", None),  # None: it may be anything
+        }
+        before = noted.get(name, [None]) if name in with_rows else []
+        noted[name] = before if now in before else [*before, now]
+        if len(noted[name]) > 1:
+            mixed.append(name)
+
+    if mixed:
+        _LOGGER.warning(
+            "%s: rows of %s were made by another version, or compiled otherwise (%s); give a new "
+            "--out to run them anew",
+            folder,
+            ", ".join(mixed),
+            VERSIONS,
+        )
     write_json(path, noted)
 
 

@@ -10,11 +10,13 @@ their own.
 import functools
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
 from aicon_baselines.ablations import ARM_PUSH
+from aicon_baselines.evaluation.errors import find_known
 from aicon_baselines.evaluation.task import Episode, Look, Measure, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -51,10 +53,8 @@ _FAULTS = Faults(
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
-    def make_one() -> ArmPushEnv:
-        return ArmPushEnv(**{**_ARGUMENTS[at_once(condition)[0]], **options})
-
-    env = side_by_side(make_one, count, longest(condition, horizon))
+    arguments = find_known("condition", at_once(condition)[0], _ARGUMENTS) | options
+    env = side_by_side(partial(ArmPushEnv, **arguments), count, longest(condition, horizon))
     return _FAULTS.wrap(env, condition)
 
 
@@ -65,7 +65,7 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
-    arguments = _ARGUMENTS[at_once(condition)[0]]
+    arguments = find_known("condition", at_once(condition)[0], _ARGUMENTS)
     late = _FAULTS.policy_options(condition)
     delay = round(arguments.get("image_delay", 0.0) / _FAULTS.dt)
     return {**late, "camera.delay": delay, **_of_the_world(**arguments)}

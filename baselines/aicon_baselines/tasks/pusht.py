@@ -14,6 +14,7 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 
 from aicon_baselines.ablations import PIXEL, PUSHT
+from aicon_baselines.evaluation.errors import find_known
 from aicon_baselines.evaluation.task import Episode, Lesson, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -95,7 +96,7 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
     if condition == _UPSTREAM:
         return side_by_side(partial(UpstreamPushT, **options), count, horizon)
 
-    arguments = _ARGUMENTS[at_once(condition)[0]] | options
+    arguments = find_known("condition", at_once(condition)[0], _ARGUMENTS) | options
     layers = arguments.pop("wrappers", ())
 
     def make_one() -> gymnasium.Env[Any, Any]:
@@ -118,7 +119,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
 
     The environment's lengths are px; the policy's are m.
     """
-    arguments = _ARGUMENTS[at_once(condition)[0]]
+    arguments = find_known("condition", at_once(condition)[0], _ARGUMENTS)
     options = {**_SENSORS.get(condition, {}), **_FAULTS.policy_options(condition)}
     if "object" in arguments:
         outline = OBJECTS[arguments["object"]]

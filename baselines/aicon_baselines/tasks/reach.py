@@ -5,11 +5,13 @@ A condition names the robot, what counts, where the joints start and what else i
 """
 
 import math
+from functools import partial
 from itertools import product
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
+from aicon_baselines.evaluation.errors import find_known
 from aicon_baselines.evaluation.task import Look, Measure, Task
 from aicon_baselines.named import Later
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -55,15 +57,13 @@ _AGENTS = "aicon_baselines.agents.reach"
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
-    def make_one() -> ReachEnv:
-        return ReachEnv(**{**_ARGUMENTS[condition], **options})
-
-    return side_by_side(make_one, count, horizon)
+    arguments = find_known("condition", condition, _ARGUMENTS) | options
+    return side_by_side(partial(ReachEnv, **arguments), count, horizon)
 
 
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its robot, what counts, how fast it may be, and of balls if there are any."""
-    arguments = _ARGUMENTS[condition]
+    arguments = find_known("condition", condition, _ARGUMENTS)
     env = ReachEnv(**arguments)
     description = env.description()
     balls = {name: description[name] for name in ("balls", "ball_radius")}

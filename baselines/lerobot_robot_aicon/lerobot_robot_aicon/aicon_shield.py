@@ -47,6 +47,7 @@ class AiconShield(Robot):
         self._shield.warm_up()
         self._interference = Interference(self._shield)
         self._measured: dict[str, Any] | None = None
+        self._was_calibrated = False
 
     @property
     def observation_features(self) -> dict[str, Any]:
@@ -78,7 +79,7 @@ class AiconShield(Robot):
     def connect(self, calibrate: bool = True) -> None:
         """Connect the robot within."""
         self.inner.connect(calibrate)
-        self._measured = None
+        self._measured, self._was_calibrated = None, False
         self._shield.reset()
         self._interference.reset()
 
@@ -112,7 +113,7 @@ class AiconShield(Robot):
 
         Raises:
             ValueError: If it names a motor that the robot does not have, or has no number for one,
-                or the robot does not stand as it is described at the beginning.
+                or the robot at the beginning is not calibrated, or does not stand as described.
         """
         check_mapping("action", action, list(self.action_features))
         unknown = [key for key in action if key not in self.action_features]
@@ -121,6 +122,8 @@ class AiconShield(Robot):
                 f"action: the robot has no {', '.join(unknown)}; it has "
                 f"{', '.join(self.action_features)}."
             )
+
+        self._check_calibrated()
 
         # The nearest action that is allowed, from where the robot stands.
         measured = self.get_observation() if self._measured is None else self._measured
@@ -133,6 +136,16 @@ class AiconShield(Robot):
             return {}
         sent: dict[str, Any] = self.inner.send_action(allowed)
         return sent
+
+    def _check_calibrated(self) -> None:
+        """Refuse to move a robot whose motors count from elsewhere; asked once after connecting."""
+        is_calibrated = self._was_calibrated or self.inner.is_calibrated
+        if is_calibrated is not None and not is_calibrated:  # None: there is nothing to calibrate
+            raise ValueError(
+                f"{self.inner} is not calibrated as its file says, so where it stands is not known "
+                "and it is not moved: connect(calibrate=True), or lerobot-calibrate with its id."
+            )
+        self._was_calibrated = True
 
     def explain(self) -> Shielding | None:
         """What was changed in the last action, and why; None before the first, and while held."""

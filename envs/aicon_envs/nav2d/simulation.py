@@ -23,6 +23,9 @@ SensorArray = NDArray[np.float32]
 ARRIVAL_DISTANCE = 0.2
 """Distance to the target below which the agent has arrived, m."""
 
+LARGEST_SQUARED = 1e150
+"""A command as large as this can still be squared, m/s."""
+
 
 class Simulation:
     """N disc agents with velocity control.
@@ -86,7 +89,7 @@ class Simulation:
         noise = self._noise.advance()
 
         # Limit the norm of the command, add the noise of motors that drive, and move.
-        velocity = command.T.copy()
+        velocity = command.T.copy().clip(-LARGEST_SQUARED, LARGEST_SQUARED)
         drives = (velocity != 0.0).any(0)
         max_speed = self.physics.max_speed
         velocity *= max_speed / np.maximum(_norm(velocity), max_speed)

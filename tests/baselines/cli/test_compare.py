@@ -40,7 +40,7 @@ def test_it_saves_and_prints_the_results(
     assert f"| {condition} | aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in printed
     assert ", aicon: failed with seed 0 (" in printed
     files = {path.name for path in tmp_path.iterdir()}
-    saved = {"config.json", "episodes.csv", "success_curve.png", "summary.json"}
+    saved = {"config.json", "episodes.csv", "success_curve.png", "summary.json", "versions.json"}
     assert files == {".lock", *saved}
 
 

@@ -1,6 +1,7 @@
 """Tasks by name: ours, those of other packages, and your own."""
 
 import sys
+from functools import partial
 from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from pathlib import Path
@@ -82,3 +83,15 @@ def test_an_environment_can_be_seen(name: str) -> None:
     (picture,) = env.render() or ()
     assert picture.ndim == 3 and picture.shape[-1] == 3
     env.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "package"), [("pusht", "pymunk"), ("arm_push", "mujoco"), ("reach", "mujoco")]
+)
+def test_an_unknown_condition_lists_the_valid_ones(name: str, package: str) -> None:
+    pytest.importorskip(package)
+    task = tasks.load(name)
+    message = f"unknown condition 'odd'; valid conditions: {task.conditions[0]}, "
+    for ask in (partial(task.make_env, 1, "odd", 3), partial(task.policy_options, "odd")):
+        with pytest.raises(ComparisonError, match=message):
+            ask()

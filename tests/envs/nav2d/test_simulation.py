@@ -83,6 +83,16 @@ def test_without_noise_the_motion_is_the_command_with_its_norm_limited() -> None
         np.testing.assert_allclose(info["position"] - before, 0.05 * limited, atol=1e-7)
 
 
+def test_a_command_too_large_to_be_squared_is_one_at_full_speed() -> None:
+    env = Nav2DEnv(**QUIET)
+    positions = []
+    for speed in (1e3, 1e160, 1e308):
+        env.reset(seed=0, options=own_map([]))
+        positions.append(env.step(np.array([0.0, speed]))[-1]["position"])
+    np.testing.assert_array_equal(positions, [positions[0]] * 3)
+    assert positions[0][1] == pytest.approx(env.physics.max_speed * env.physics.dt)
+
+
 def test_reward_adds_up_to_the_distance_covered_and_the_arrival() -> None:
     env = Nav2DEnv()
     _, info = env.reset(seed=0, options=own_map([], target=(1.0, 0.5)))

@@ -98,9 +98,25 @@ def beside_infinity(x: Tensor) -> Tensor:
     return x.unsqueeze(-1) * x.square()[:1] + FAR.to(x.dtype)
 
 
+def rounded_down(x: Tensor) -> Tensor:
+    """By infinity, a number of the other sign is −1 times; by nothing it is infinite."""
+    return torch.cat((x // torch.inf, x // -torch.inf, x // 0.0, x // x.flip(0)))
+
+
+def of_large_integers(x: Tensor) -> Tensor:
+    """Of those between real numbers, too: only what is left of each is looked at as one."""
+    places, large = x.argsort(), 2**53 + 1
+    numbers = places * large
+    about = torch.stack((numbers.abs(), numbers.maximum(places), -numbers.neg().minimum(places)))
+    found = [about - places * 2**53, (-numbers).remainder(7), numbers // 3 - places * (large // 3)]
+    found += [-numbers // places.clamp(min=1), places**35 % 1000]
+    return torch.cat([each.flatten() % 1000 for each in found]).to(x.dtype)
+
+
 FUNCTIONS = [
     *(of_nothing, of_one_number, of_truth_values, signs_of_zero, singular, solved_for_many),
     *(written_beside, written_through, scattered, beside_infinity),
+    *(rounded_down, of_large_integers),
 ]
 
 

@@ -77,7 +77,8 @@ class PushView(WorldView):
         shapes = pushing(recording.outline, recording.poses[step], recording.goal)
         shapes["pusher"] = disc(recording.pushers[step], PUSHER_RADIUS, 8, palette.ROBOT)
         if not ended:
-            shapes["motion"] = self._motion(step)
+            if recording.motions[step].any():
+                shapes["motion"] = self._motion(step)
             shapes |= self._gradients(step)
         self._paper.clear()
         self._paper.draw(shapes)

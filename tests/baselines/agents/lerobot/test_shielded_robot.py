@@ -128,6 +128,25 @@ def test_an_arm_that_stands_otherwise_than_described_is_not_moved() -> None:
     assert robot.get_observation() == before
 
 
+def test_an_arm_that_is_not_calibrated_is_not_moved(
+    shielded: AiconShield, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shielded.connect(calibrate=False)
+    before = shielded.get_observation()
+    monkeypatch.setattr(AiconSimulated, "is_calibrated", False)
+    monkeypatch.setattr(AiconSimulated, "send_action", lambda *_: pytest.fail("it was moved"))
+    for _ in range(3):
+        with pytest.raises(ValueError, match=r"AiconSimulated is not calibrated.*calibrate=True"):
+            shielded.send_action(before)
+
+    # Once it is calibrated it moves, and so does one that knows of no calibration.
+    monkeypatch.undo()
+    for known in (True, None):
+        shielded.connect(calibrate=False)
+        monkeypatch.setattr(AiconSimulated, "is_calibrated", known)
+        assert [bool(shielded.send_action(before)) for _ in range(2)] == [False, True]
+
+
 @pytest.mark.parametrize("option", ["motors", "offsets", "signs"])
 def test_a_joint_that_the_description_does_not_have_is_named(option: str) -> None:
     wrong: dict[str, Any] = {option: {"elbow": 1}}

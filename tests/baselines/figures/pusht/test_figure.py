@@ -1,5 +1,6 @@
 """All files of the pushing figure are written, and its timelines can be read."""
 
+import copy
 import json
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from PIL import Image
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures import rollout
 from aicon_baselines.figures.pusht import PushRecording, PushRollout, figure, make_figure, record
+from aicon_baselines.figures.pusht.view import PushView
 from aicon_baselines.figures.rollout import RolloutFilm, draw_film
 
 SEED = 1043
@@ -47,6 +49,18 @@ def test_a_film_holds_its_last_frame(episode: PushRecording) -> None:
     assert len(last) == 3
     np.testing.assert_equal(last, [last[0]] * 3)
     assert (first != last[0]).any()
+
+
+def test_a_pusher_at_rest_has_no_arrow(episode: PushRecording) -> None:
+    """As where nothing is read."""
+    resting = copy.copy(episode)
+    resting.__dict__["motions"] = np.zeros_like(episode.motions)
+    shown = []
+    for recording in (episode, resting):
+        axes = Figure().subplots()
+        PushView(axes, recording).show(4)
+        shown.append(len(axes.patches))
+    assert shown[1] == shown[0] - 1
 
 
 def test_mp4(tmp_path: Path) -> None:
