@@ -192,43 +192,59 @@ def _own_version() -> str:
 
 def _test(flat: FlatStep) -> str:
     """A test of the library: some readings, and what comes of them."""
-    for seed in range(_TEST_SEEDS):
-        readings = _test_readings(flat, seed)
+    memory_size = flat.layouts["memory"].size
 
-        # Readings whose commands hang on rounding would test nothing, and others are drawn.
-        nearby = _with_nearby(readings)
-        outcomes = _after(flat, nearby)
-        outcome, settled = outcomes[0], _settled(outcomes, 1e-4)
-
-        # Half of what the test allows.
-        is_single = flat.step.model.like.dtype == torch.float32
-        rounded = _after(flat, readings.expand_as(nearby), units=_UNITS)
-        settled &= _settled(rounded, 5e-5 if is_single else 5e-10)
-        if settled[flat.layouts["memory"].size :].all():  # the commands are
+    # Readings whose commands hang on rounding would test nothing, and others are drawn: several
+    # at once, as a step of many robots takes hardly longer than one of one.
+    for seeds in ([0], range(1, _TEST_SEEDS)):
+        drawn = [_test_readings(flat, seed) for seed in seeds]
+        outcomes, is_settled = _outcomes(flat, torch.stack(drawn))
+        settled_commands = is_settled[:, memory_size:].sum(-1)
+        best = int(settled_commands.argmax())
+        if is_settled[best, memory_size:].all():
             break
 
     return _TEST.format(
         steps=_TEST_STEPS,
-        readings=_initializer(readings.flatten()),
-        outcome=_initializer(outcome),
-        settled=_initializer(settled.int()),
+        readings=_initializer(drawn[best].flatten()),
+        outcome=_initializer(outcomes[best]),
+        settled=_initializer(is_settled[best].int()),
     )
 
 
-def _with_nearby(readings: Tensor) -> Tensor:
-    """The readings of a few steps ``(steps, n)``, and others nearby: ``(1 + nudges, steps, n)``."""
-    generator, size = torch.Generator("cpu").manual_seed(0), (_NUDGES, *readings.shape)
-    noise = torch.randn(size, generator=generator, dtype=torch.float32, device="cpu").to(readings)
-    return torch.cat((readings.unsqueeze(0), readings * (1.0 + _NUDGE * noise)))
+def _outcomes(flat: FlatStep, readings: Tensor) -> tuple[Tensor, Tensor]:
+    """What comes of readings ``(D, steps, n)``, and which of it does not hang on rounding.
 
+    What hangs on rounding tells nothing: of two gradients of one length, either may come first. It
+    differs much where the readings differ by little, or the memories by a unit in the last place.
 
-def _settled(outcomes: Tensor, tolerance: float) -> Tensor:
-    """Which numbers are the same in all rows ``(B, n)``, within a tolerance, ``(n,)``.
-
-    What hangs on rounding tells nothing: of two gradients of one length, either may come first.
+    Returns:
+        The memory and the commands after the steps, ``(D, m)``, and which of them are settled.
     """
-    outcome, nearby = outcomes[0], outcomes[1:]
-    return torch.isclose(nearby, outcome, rtol=tolerance, atol=tolerance, equal_nan=True).all(dim=0)
+    # In the rows of each draw: the readings, others nearby, and the readings again.
+    generator, shape = torch.Generator("cpu").manual_seed(0), (_NUDGES, *readings.shape[1:])
+    noise = torch.randn(shape, generator=generator, dtype=torch.float32, device="cpu").to(readings)
+    as_drawn = readings.unsqueeze(1)
+    nearby = as_drawn * (1.0 + _NUDGE * noise)
+    rows = torch.cat((as_drawn, nearby, as_drawn.expand_as(nearby)), dim=1)
+
+    # On the way, memories of the latter are rounded otherwise.
+    units = torch.zeros(rows.shape[:2])
+    units[:, 1 + _NUDGES :] = _UNITS
+    found = _after(flat, rows.flatten(0, 1), units.flatten()).view(*rows.shape[:2], -1)
+
+    # Half of what the test allows.
+    is_single = flat.step.model.like.dtype == torch.float32
+    outcome = found[:, :1]
+    is_settled = _are_close(found[:, 1 : 1 + _NUDGES], outcome, 1e-4)
+    is_settled &= _are_close(found[:, 1 + _NUDGES :], outcome, 5e-5 if is_single else 5e-10)
+    return outcome.squeeze(1), is_settled
+
+
+def _are_close(found: Tensor, outcome: Tensor, tolerance: float) -> Tensor:
+    """Which numbers are those of an outcome ``(D, 1, m)`` in all rows ``(D, R, m)``, ``(D, m)``."""
+    close = torch.isclose(found, outcome, rtol=tolerance, atol=tolerance, equal_nan=True)
+    return close.all(dim=1)
 
 
 def _test_readings(flat: FlatStep, seed: int) -> Tensor:
@@ -246,34 +262,31 @@ def _test_readings(flat: FlatStep, seed: int) -> Tensor:
     return readings.to(flat.model.like.dtype)
 
 
-def _after(flat: FlatStep, readings: Tensor, units: float = 0.0) -> Tensor:
+def _after(flat: FlatStep, readings: Tensor, units: Tensor) -> Tensor:
     """The memory and the commands after first steps with readings ``(B, steps, n)``, ``(B, m)``.
 
     Args:
         flat: The step.
         readings: The readings.
-        units: By how many units in the last place memories differ on the way, in all rows but the
-            first.
+        units: By how many units in the last place the memory of a row differs on the way, ``(B,)``.
     """
     first, *others = (flat.unpack("readings", step) for step in readings.unbind(dim=1))
     (memory,) = flat.step.start(first)
     groups: dict[str, Named] = {"memory": memory}
     for step in (first, *others):
-        restarted: Named = flat.step.restarted(dict(groups["memory"]), step)
-        if units:
-            restarted = _rounded(restarted, units)
+        restarted = _rounded(flat.step.restarted(dict(groups["memory"]), step), units)
         groups = run(flat.step.stages, {"memory": restarted, "readings": step})
     return torch.cat([flat.pack(name, groups[name]) for name in ("memory", "commands")], dim=-1)
 
 
-def _rounded(memory: Named, units: float) -> Named:
-    """A memory ``(B, …)`` whose real numbers are other ones by rounding, but for the first row."""
+def _rounded(memory: Named, units: Tensor) -> Named:
+    """A memory ``(B, …)`` whose real numbers are other ones by rounding, by units ``(B,)``."""
     generator, rounded = torch.Generator("cpu").manual_seed(0), dict(memory)
     for key, value in memory.items():
         if value.is_floating_point():
             noise = torch.randn(value.shape, generator=generator, dtype=value.dtype, device="cpu")
-            noise[0] = 0.0
-            rounded[key] = value * (1.0 + units * torch.finfo(value.dtype).eps * noise)
+            share = torch.finfo(value.dtype).eps * units.to(value)
+            rounded[key] = value * (1.0 + share.view(-1, *[1] * (value.ndim - 1)) * noise)
     return rounded
 
 

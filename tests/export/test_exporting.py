@@ -1,6 +1,5 @@
 """An exported policy takes the steps of the one that it was exported from."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -8,21 +7,15 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_memory, assert_same_steps
-from _inputs import MOVE, drifting, match, observation_with, tracked_point, tracking_model
+from _inputs import drifting, observation_with
 from _inputs.exported_files import REFUSED, write_wrong_file
-from torch import Tensor
 
 from aicon_torch import (
-    Actuator,
-    DirectDescent,
     ExportedPolicy,
     Foresight,
-    Goal,
-    Measurement,
     ObservationError,
     OptionError,
     Policy,
-    Sensor,
     load_exported,
     make_policy,
 )
@@ -69,34 +62,6 @@ def test_it_takes_them_for_any_batch(pair: Pair) -> None:
 def test_it_takes_the_same_steps_as_shipped(dtype: torch.dtype, tmp_path: Path) -> None:
     policy = make_policy("nav2d", dtype=dtype)
     assert_same_steps(policy, exported(policy, tmp_path), drifting(100))
-
-
-def test_the_recorded_test_does_not_hang_on_rounding(tmp_path: Path) -> None:
-    """Two goals whose gradients are orthogonal and equally long: which is first is not compared."""
-
-    def first(p: Tensor) -> Tensor:
-        return torch.linalg.vector_norm(p[..., :2] - 3.0, dim=-1)
-
-    def second(p: Tensor) -> Tensor:
-        return torch.linalg.vector_norm(p[..., 2:] + 2.0, dim=-1)
-
-    place = tracked_point(
-        initial=((1.0, 2.0, 3.0, 4.0), 1.0), correct=[Measurement(match, 0.1, size=4)]
-    )
-    model = tracking_model(
-        MOVE,
-        place,
-        sensors={"z": Sensor(4, "m")},
-        actuators={"a": Actuator(4, "m/s")},
-        goals=[Goal("first", first), Goal("second", second)],
-        dtype=torch.float32,
-    )
-    policy = Policy(model, law=DirectDescent(gain=1.0))
-
-    policy.export(tmp_path / "policy.c")
-    settled = re.search(r"settled\[.*\] = {(.*)}", (tmp_path / "policy.c").read_text())
-    assert settled and settled[1].split(", ").count("0") == len(policy.model.goals)
-    assert exported(policy, tmp_path).metadata["goals"] == ["first", "second"]  # it was loaded
 
 
 def test_a_memory_of_another_precision_is_converted(pair: Pair, tmp_path: Path) -> None:
