@@ -36,7 +36,7 @@ def test_a_stopped_training_ends_like_one_that_was_not(
         assert whole.read_bytes() == parts.read_bytes()
 
 
-@pytest.mark.parametrize("killed_at", ["save", "torch.save"])
+@pytest.mark.parametrize("killed_at", [pytest.param("save", marks=pytest.mark.slow), "torch.save"])
 def test_a_training_that_is_killed_at_its_last_save_gets_its_policy(
     killed_at: str,
     demos: Path,
@@ -130,6 +130,7 @@ def test_training_lowers_the_loss(demos: Path, small: dict[str, Any], tmp_path: 
     assert float(second[1]) < 0.95 * float(first[1])
 
 
+@pytest.mark.slow
 def test_pixel_policies_keep_their_options(
     demos: Path, small: dict[str, Any], tmp_path: Path
 ) -> None:
