@@ -1,4 +1,5 @@
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -85,11 +86,19 @@ def test_a_loss_that_is_no_number_leaves_what_was_saved(
     assert (tmp_path / "policy/model.safetensors").read_bytes() == saved
 
 
+@pytest.fixture(scope="module")
+def begun(demos: Path, small: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a training of one step."""
+    folder = tmp_path_factory.mktemp("begun")
+    train(TrainingConfig(1, **small), demos, folder)
+    return folder
+
+
 @pytest.mark.parametrize("content", [b"", b"nothing", {"step": 1}, {"policy": {}}, [1]])
 def test_what_no_training_goes_on_from_is_a_sentence(
-    content: Any, demos: Path, small: dict[str, Any], tmp_path: Path
+    content: Any, begun: Path, demos: Path, small: dict[str, Any], tmp_path: Path
 ) -> None:
-    train(TrainingConfig(1, **small), demos, tmp_path)
+    shutil.copytree(begun, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "training.pt"
     file.write_bytes(content) if isinstance(content, bytes) else torch.save(content, file)
     with pytest.raises(
