@@ -77,7 +77,10 @@ def test_what_is_not_finite_in_part_asks_for_rest(
     np.testing.assert_allclose(action, told, atol=1e-6)
 
 
-@pytest.mark.parametrize("is_place", [False, True], ids=["action", "place"])
+@pytest.mark.parametrize(
+    "is_place",
+    [pytest.param(False, id="action", marks=pytest.mark.slow), pytest.param(True, id="place")],
+)
 def test_a_shield_and_what_it_exports_rest_while_nothing_is_proposed_whatever_it_means(
     is_place: bool, tmp_path: Any
 ) -> None:

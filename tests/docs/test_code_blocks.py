@@ -21,7 +21,7 @@ ELSEWHERE = "aicon_envs.reach"  # README's arm takes a while: tests/models/reach
 PROGRAMS = [block for block in BLOCKS if "import " in block.code and ELSEWHERE not in block.code]
 FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blocks("py")
 
-LONG = ("aicon/ArmPush", "aicon/PushT", "Capsules.from_urdf")
+LONG = ("aicon/ArmPush", "aicon/PushT", "Capsules.from_urdf", "Robot.from_urdf")
 """What takes a while: a program with one of these runs with the slow tests."""
 
 NEEDED = {

@@ -11,6 +11,7 @@ import pytest
 from _inputs.exported_files import REFUSED, write_wrong_file
 
 from aicon_torch import Foresight, load_exported, make_policy
+from aicon_torch.export.codegen import compile_library
 from aicon_torch.models.nav2d import Options
 
 pytestmark = pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler (apt install g++)")
@@ -66,8 +67,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     subprocess.run([*build, "-o", "program", "-ldl"], cwd=folder, check=True, timeout=300)
 
     policy = make_policy("nav2d", law=Foresight(iterations=1))
-    policy.export(folder / "good.so")
     policy.export(folder / "good.c")
+    compile_library((folder / "good.c").read_text(), folder / "good.so")
     slower = make_policy("nav2d", law=Foresight(iterations=1), max_speed=0.1)
     slower.export(folder / "slow.so")
     return folder

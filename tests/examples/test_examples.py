@@ -41,6 +41,7 @@ LONG = (
     "04_many_robots",
     "05_own_arm",
     "06_add_to_a_running_arm",
+    "07_two_robots",
     "08_learned_motion",
     "nano",
 )

@@ -13,7 +13,7 @@ from reach_room import MARGIN, SOLVED, solutions
 
 def test_solutions_are_at_the_target_and_within_the_stops() -> None:
     options = TASK.policy_options("ur5_pose_home")
-    robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
+    robot = Robot.from_urdf(options["robot"], tip=options["tip"], collisions=False)
     pose = TipPose("full", lever=1.0)
     posture = torch.tensor([0.3, -1.2, 1.0, -1.0, -1.3, 0.2], dtype=torch.float64)
     target = pose.of_frame(robot.chain(posture))

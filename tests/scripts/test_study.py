@@ -7,7 +7,7 @@ import pytest
 import study
 from aicon_baselines.cli.command_line import run_command
 
-SHORT = ["--task", "nav2d", "--episodes", "2", "--horizon", "5", "--no-compile"]
+SHORT = ["--task", "nav2d", "--episodes", "2", "--horizon", "2", "--no-compile"]
 
 
 def test_it_saves_and_prints_the_results(

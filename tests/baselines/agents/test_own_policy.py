@@ -36,7 +36,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 def test_it_is_compared_like_any_other(module: str, tmp_path: Path) -> None:
     own = f"{module}:straight"
-    words = ["--policies", "aicon", own, "--episodes", "2", "--horizon", "5", "--no-compile"]
+    words = ["--policies", "aicon", own, "--episodes", "2", "--horizon", "2", "--no-compile"]
     main(["compare", "--task", "nav2d", *words, "--out", "out"])
     rows = read_rows(tmp_path / "out" / "episodes.csv")
     assert sorted({row.policy for row in rows}) == ["aicon", own]

@@ -14,12 +14,9 @@ from aicon_baselines.named import find
 from aicon_baselines.resolutions import PCGrad
 from aicon_torch import Policy, presets
 
-TASKS = [
-    "nav2d",
-    pytest.param(
-        "pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
-    ),
-]
+SLOW = pytest.mark.slow
+NEEDS_PYMUNK = pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
+TASKS = ["nav2d", pytest.param("pusht", marks=NEEDS_PYMUNK)]
 
 
 @pytest.mark.parametrize("task", TASKS)
@@ -31,7 +28,7 @@ def test_policies_of_a_task_are_presets_ablations_and_opponents(task: str) -> No
     assert len(set(expected)) == len(expected)
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", ["nav2d", pytest.param("pusht", marks=[NEEDS_PYMUNK, SLOW])])
 def test_every_policy_can_be_built_and_steps(task: str) -> None:
     content = tasks.load(task)
     episodes = content.chunk(0, repeat=0)[:2]

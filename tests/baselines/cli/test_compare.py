@@ -12,12 +12,7 @@ from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.rows_file import read_rows
 from aicon_torch.export.codegen import has_compiler
 
-TASKS = [
-    "nav2d",
-    pytest.param(
-        "pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
-    ),
-]
+NEEDS_PYMUNK = pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
 
 
 def aicon_compare(*words: str, task: str = "nav2d") -> subprocess.CompletedProcess[str]:
@@ -26,10 +21,12 @@ def aicon_compare(*words: str, task: str = "nav2d") -> subprocess.CompletedProce
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
-SHORT = ["--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "4", "--no-compile"]
+SHORT = ["--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "2", "--no-compile"]
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize(
+    "task", ["nav2d", pytest.param("pusht", marks=[NEEDS_PYMUNK, pytest.mark.slow])]
+)
 def test_it_saves_and_prints_the_results(
     tmp_path: Path, task: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -44,6 +41,7 @@ def test_it_saves_and_prints_the_results(
     assert files == {".lock", *saved}
 
 
+@pytest.mark.slow
 def test_it_runs_in_a_process_of_its_own(tmp_path: Path) -> None:
     words = ["--policies", "steepest", "--episodes", "1", "--horizon", "2", "--no-compile"]
     result = aicon_compare(*words, "--jobs", "1", "--out", str(tmp_path))

@@ -86,7 +86,10 @@ def test_what_a_user_can_mend_is_a_sentence(
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full device")
-@pytest.mark.parametrize("buffered", ["", "1"], ids=["buffered", "unbuffered"])
+@pytest.mark.parametrize(
+    "buffered",
+    [pytest.param("", id="buffered"), pytest.param("1", id="unbuffered", marks=pytest.mark.slow)],
+)
 def test_output_that_cannot_be_written_is_a_sentence_or_nothing(buffered: str) -> None:
     command = [sys.executable, "-m", "aicon_baselines.cli.main", "list"]
     environment = {**os.environ, "PYTHONUNBUFFERED": buffered}

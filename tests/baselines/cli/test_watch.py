@@ -21,6 +21,7 @@ def obey_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@pytest.mark.slow
 def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
     words = ["watch", "nav2d", "--port", "0"]
     shell = {key: value for key, value in os.environ.items() if key != "DISPLAY"}

@@ -62,8 +62,9 @@ def test_a_folder_without_a_comparison_is_an_error(
 
 
 def test_an_episode_of_one_step_is_an_error(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("aicon_baselines.diagnosis.rerun.compiled", lambda build: build)
     config = configure(load("nav2d"), seed=1025, horizon=1, episodes=1)
     row = Row("aicon", "range", 0, 1025, "u_trap_05", False, None, False, 1.0, 4.0, 3.0)
     with RunFolder.open(tmp_path, config) as run:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from _inputs.comparison import POINTS, handmade_rows
-from _inputs.writer import hold
+from _writer import hold
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.config import configure

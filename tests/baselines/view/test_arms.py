@@ -16,13 +16,16 @@ from aicon_baselines.view.server import serve
 from aicon_baselines.view.space import MuJoCoScene
 
 CONDITIONS = {"arm_push": "true_pose", "reach": "panda_pose_home_ball"}
+POLICIES = {"arm_push": "aicon,law.iterations=2", "reach": "aicon"}
+"""A lean one, for what holds however many gradients a step has."""
 
 
 @pytest.fixture(scope="module", params=["arm_push", pytest.param("reach", marks=pytest.mark.slow)])
 def scene(request: pytest.FixtureRequest) -> Iterator[MuJoCoScene]:
     """The scene of an episode that has just started."""
     server = serve("127.0.0.1", 0)
-    episode = open_episode(request.param, condition=CONDITIONS[request.param], seed=1000)
+    task = request.param
+    episode = open_episode(task, POLICIES[task], CONDITIONS[task], seed=1000)
     scene = make_scene(server, episode)
     assert isinstance(scene, MuJoCoScene)
     scene.start()
@@ -70,7 +73,14 @@ def test_an_arrow_of_the_joints_is_where_the_tip_would_go(scene: MuJoCoScene) ->
     np.testing.assert_allclose(moved, arrow, rtol=0.02, atol=2e-3)  # one physics step apart
 
 
-@pytest.mark.parametrize("name", ["sum", "steepest path", "nullspace projection"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("sum", marks=pytest.mark.slow),
+        pytest.param("steepest path", marks=pytest.mark.slow),
+        "nullspace projection",
+    ],
+)
 def test_every_quantity_can_be_looked_at_under_each_resolution(
     scene: MuJoCoScene, name: str
 ) -> None:

@@ -13,7 +13,7 @@ from aicon_baselines.view.scene import Scene
 from aicon_baselines.view.server import serve
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def scene() -> Iterator[Scene]:
     """The scene of an episode that has just started."""
     server = serve("127.0.0.1", 0)

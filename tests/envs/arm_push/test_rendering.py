@@ -44,7 +44,9 @@ def test_the_camera_shows_a_red_object_on_a_bright_table() -> None:
     env.close()
 
 
-@pytest.mark.parametrize("backend", ["disable", "none is there", "osmesa"])
+@pytest.mark.parametrize(
+    "backend", [pytest.param("disable", marks=pytest.mark.slow), "none is there", "osmesa"]
+)
 def test_where_nothing_can_render_an_error_names_the_packages(backend: str) -> None:
     if backend == "osmesa" and ctypes.util.find_library("OSMesa"):
         pytest.skip("OSMesa is there")

@@ -36,6 +36,7 @@ def test_of_many_polygons_the_broken_one_is_named() -> None:
         Nav2DEnv().reset(options=own_map(polygons, start=(-9, -9), target=(-8, -8)))
 
 
+@pytest.mark.slow
 def test_ten_thousand_polygons_have_the_clearance_of_the_nearest() -> None:
     polygons = squares(10_000)
     _, info = Nav2DEnv().reset(options=own_map(polygons, start=(1.5, 1.5), target=(-8, -8)))

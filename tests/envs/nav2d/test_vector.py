@@ -7,7 +7,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from _environments import assert_same
-from _nav2d_env import ID, SENSING, own_map, random_actions, velocity
+from _nav2d_env import ID, own_map, random_actions, velocity
 from gymnasium.vector import AutoresetMode
 
 import aicon_envs  # noqa: F401  (registers the environments)
@@ -24,7 +24,9 @@ def test_make_vec_gives_the_native_batch() -> None:
     assert observation in env.observation_space
 
 
-@pytest.mark.parametrize("sensing", SENSING)
+@pytest.mark.parametrize(
+    "sensing", [pytest.param("range", marks=pytest.mark.slow), "range_bearing"]
+)
 def test_vector_equals_singles(sensing: Any) -> None:
     """Resets on the next step, truncations and collisions included; the infos too."""
     options = {"sensing": sensing, "map": "mixed", "max_episode_steps": 150}

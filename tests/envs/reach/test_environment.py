@@ -15,6 +15,7 @@ from aicon_envs.reach.balls import draw_path
 from aicon_envs.to_and_fro import SAMPLES
 
 TARGETS = ("position", "axis", "pose")
+SLOW_TO_LOAD = ("kinova", "so101")
 
 
 def drive(env: ReachEnv, joints: np.ndarray, steps: int = 400) -> dict[str, Any]:
@@ -36,7 +37,7 @@ def test_gymnasium_finds_nothing_wrong(target: Any) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name == "so101")) for name in ROBOTS],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW_TO_LOAD)) for name in ROBOTS],
 )
 def test_every_robot_holds_its_home_free_of_contact(name: str) -> None:
     env = ReachEnv(name, "position")

@@ -91,7 +91,9 @@ def test_a_ball_that_is_hit_is_reported() -> None:
     assert simulation.gaps.to_balls < 0.0 <= simulation.gaps.to_itself
 
 
-@pytest.mark.parametrize("name", ["panda", "ur5", "xarm7", "z1", "kinova"])
+@pytest.mark.parametrize(
+    "name", ["panda", "ur5", "xarm7", "z1", pytest.param("kinova", marks=pytest.mark.slow)]
+)
 def test_joints_follow_their_commands(name: str) -> None:
     env = ReachEnv(name, "position")
     before, _ = env.reset(seed=0)

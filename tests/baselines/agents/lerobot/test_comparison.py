@@ -9,7 +9,7 @@ from aicon_baselines.agents.diffusion.agent import Agent
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.rows_file import read_rows
 
-SHORT = ("--task", "pusht", "--seed", 1000, "--horizon", 6, "--episodes", 2)
+SHORT = ("--task", "pusht", "--seed", 1000, "--horizon", 3, "--episodes", 2)
 CONDITIONS = ("--conditions", "deterministic", "noise_2")
 BESIDES = "without_foresight"  # one gradient a step
 SAMPLER = ("--sampler", "DDPM", "--inference-steps", 3)

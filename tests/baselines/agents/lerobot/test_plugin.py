@@ -12,7 +12,6 @@ pytest.importorskip("lerobot")
 pytest.importorskip("gym_pusht")
 pytest.importorskip("lerobot_policy_aicon")
 
-from _inputs import driven
 from lerobot.configs.policies import PreTrainedConfig
 from lerobot.envs.configs import PushtEnv
 from lerobot.envs.factory import make_env
@@ -21,6 +20,7 @@ from lerobot.policies.factory import make_pre_post_processors
 from lerobot.scripts.lerobot_eval import rollout
 
 import lerobot_policy_aicon
+from aicon_torch import make_policy
 
 KEYPOINTS = "environment_state_agent_pos"
 
@@ -58,7 +58,7 @@ def test_the_distribution_registers_the_policy(plugin: Any) -> None:
 )
 def test_it_is_the_policy_of_the_library(options: dict[str, Any]) -> None:
     env = gym.make("gym_pusht:gym_pusht/PushT-v0", obs_type=KEYPOINTS, disable_env_checker=True)
-    plugin, reference, memory = build(**options), driven("pusht", **options), None
+    plugin, reference, memory = build(**options), make_policy("pusht", **options), None
     plugin.reset()
     observation, _ = env.reset(seed=1000)
 

@@ -1,4 +1,5 @@
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ def test_a_stopped_training_ends_like_one_that_was_not(
         assert whole.read_bytes() == parts.read_bytes()
 
 
-@pytest.mark.parametrize("killed_at", ["save", "torch.save"])
+@pytest.mark.parametrize("killed_at", [pytest.param("save", marks=pytest.mark.slow), "torch.save"])
 def test_a_training_that_is_killed_at_its_last_save_gets_its_policy(
     killed_at: str,
     demos: Path,
@@ -85,11 +86,19 @@ def test_a_loss_that_is_no_number_leaves_what_was_saved(
     assert (tmp_path / "policy/model.safetensors").read_bytes() == saved
 
 
+@pytest.fixture(scope="module")
+def begun(demos: Path, small: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a training of one step."""
+    folder = tmp_path_factory.mktemp("begun")
+    train(TrainingConfig(1, **small), demos, folder)
+    return folder
+
+
 @pytest.mark.parametrize("content", [b"", b"nothing", {"step": 1}, {"policy": {}}, [1]])
 def test_what_no_training_goes_on_from_is_a_sentence(
-    content: Any, demos: Path, small: dict[str, Any], tmp_path: Path
+    content: Any, begun: Path, demos: Path, small: dict[str, Any], tmp_path: Path
 ) -> None:
-    train(TrainingConfig(1, **small), demos, tmp_path)
+    shutil.copytree(begun, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "training.pt"
     file.write_bytes(content) if isinstance(content, bytes) else torch.save(content, file)
     with pytest.raises(
@@ -130,6 +139,7 @@ def test_training_lowers_the_loss(demos: Path, small: dict[str, Any], tmp_path: 
     assert float(second[1]) < 0.95 * float(first[1])
 
 
+@pytest.mark.slow
 def test_pixel_policies_keep_their_options(
     demos: Path, small: dict[str, Any], tmp_path: Path
 ) -> None:

@@ -40,11 +40,12 @@ def test_it_gets_out_of_traps_without_touching_them(agent: Any) -> None:
     assert outcome.success.all() and not outcome.collision.any()
 
 
+@pytest.mark.slow
 def test_bug_2_finds_its_way_through_mazes() -> None:
     assert run(Bug2(), episodes_on("maze", "corridors", "spiral_out")).success.all()
 
 
-@pytest.mark.parametrize("agent", AGENTS)
+@pytest.mark.parametrize("agent", [Bug2, pytest.param(WallFollower, marks=pytest.mark.slow)])
 def test_an_episode_goes_alone_as_it_goes_in_a_batch(agent: Any) -> None:
     episodes = episodes_on("u_trap_1", "clutter", "zigzag")
     batch = run(agent(), episodes)

@@ -103,7 +103,9 @@ def test_episodes_of_a_batch_are_on_their_own(name: str) -> None:
         np.testing.assert_allclose(alone[0], together[row], atol=1e-9)
 
 
-@pytest.mark.parametrize("condition", ["ur5_position_home", "so101_axis_home"])
+@pytest.mark.parametrize(
+    "condition", ["ur5_position_home", pytest.param("so101_axis_home", marks=pytest.mark.slow)]
+)
 def test_of_the_orientation_only_what_counts_is_missing(condition: str) -> None:
     """Where nothing else is missing, nothing moves."""
     agent = make("damped_least_squares", condition)

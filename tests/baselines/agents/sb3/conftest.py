@@ -33,7 +33,16 @@ def agent_folders(
     return folders
 
 
-@pytest.fixture(params=KINDS, ids="-".join)
+EVERY_KIND = [
+    ("nav2d", "ppo"),
+    pytest.param(("nav2d", "sac"), marks=pytest.mark.slow),
+    pytest.param(("pusht", "ppo"), marks=pytest.mark.slow),
+    ("pusht", "sac"),
+]
+"""With the quick tests each task and each algorithm once."""
+
+
+@pytest.fixture(params=EVERY_KIND, ids="-".join)
 def kind(request: pytest.FixtureRequest) -> tuple[str, str]:
     """A task and an algorithm."""
     kind: tuple[str, str] = request.param

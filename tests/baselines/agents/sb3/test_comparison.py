@@ -63,8 +63,15 @@ def test_a_path_without_sb3_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("task", ["nav2d", "pusht"])
-@pytest.mark.parametrize(("options", "name"), [((), "ppo"), (("--sampled",), "ppo_sampled")])
+@pytest.mark.parametrize(
+    ("task", "options", "name"),
+    [
+        ("nav2d", (), "ppo"),
+        ("pusht", ("--sampled",), "ppo_sampled"),
+        pytest.param("nav2d", ("--sampled",), "ppo_sampled", marks=pytest.mark.slow),
+        pytest.param("pusht", (), "ppo", marks=pytest.mark.slow),
+    ],
+)
 def test_without_a_path_it_is_the_agent_that_we_ship(
     task: str, options: tuple[str, ...], name: str, tmp_path: Path
 ) -> None:

@@ -18,6 +18,7 @@ from aicon_baselines.figures.rollout import draw_film, film_steps
 MAP, SEED = "u_trap_05", 1000
 
 
+@pytest.mark.slow
 def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rollout, "DURATION", 1.0)
     folder = tmp_path / "figures"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from _inputs import driven
+from _inputs import driven, lean
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.pusht import PushRecording, PushRollout, record
@@ -35,9 +35,12 @@ def test_exploration_is_across_the_strongest_gradient(episode: PushRecording) ->
     assert abs(cosine) < 0.2
 
 
-@pytest.mark.parametrize("limit", [6, 7, 12, 30])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize("limit", [6, 7, *(pytest.param(limit, marks=SLOW) for limit in (12, 30))])
 def test_panels_are_in_order_in_any_episode(limit: int) -> None:
-    policy = driven("pusht", **{"resolution.exploration": None})
+    policy = lean("pusht", **{"resolution.exploration": None})
     recording = record(policy, 1011, limit)
     rollout = PushRollout(recording)
     panels = choose_panels(rollout)

@@ -1,4 +1,7 @@
-"""A process that writes into a run folder; where it can be imported by a process of its own."""
+"""A process that writes into a run folder.
+
+It stands alone, so that a process that imports it imports no torch.
+"""
 
 import signal
 from multiprocessing.connection import Connection
