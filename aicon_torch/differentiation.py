@@ -24,9 +24,10 @@ _Result = TypeVar("_Result")
 
 
 class _Mode(threading.local):
-    """Whether this thread learns."""
+    """What this thread does besides computing: it learns, or what it computes is recorded."""
 
     learns = False
+    is_recorded = False
 
 
 _MODE = _Mode()
@@ -47,6 +48,26 @@ def through_time() -> Iterator[None]:
             yield
     finally:
         _MODE.learns = before
+
+
+@contextmanager
+def recorded() -> Iterator[None]:
+    """What is computed is to run again with other values, as long as it lasts: no branch is cut."""
+    before, _MODE.is_recorded = _MODE.is_recorded, True
+    try:
+        yield
+    finally:
+        _MODE.is_recorded = before
+
+
+def is_nowhere(flags: Tensor) -> bool:
+    """Whether flags are known to be false everywhere, so that what they choose is not needed.
+
+    They are not known while the step is :func:`recorded`, nor on a device that one would wait for,
+    and what learns is differentiated by both sides of a choice.
+    """
+    is_known = flags.device.type == "cpu" and not (_MODE.is_recorded or _MODE.learns)
+    return is_known and not flags.any()
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """Foresight: the action descends the potential that the model foresees, before it is executed."""
 
+import math
 from dataclasses import dataclass
 
 import torch
@@ -97,12 +98,14 @@ class Foresight:
     ) -> Tensor:
         """One step of the length ρ a_max / k, ``(*B, size)``: see :class:`ActionLaw`."""
         longest = self.step * actuator.limit_like(action) / iteration
+        backward = -longest
         length = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
-        down = -longest * gradient / length.clamp(min=torch.finfo(length.dtype).tiny)
+        down = backward * gradient / length.clamp(min=torch.finfo(length.dtype).tiny)
 
         # A component that nothing pulls, or a cost that overflows, goes back to rest.
-        to_rest = -torch.minimum(torch.maximum(action, -longest), longest)
-        pulls = (down.abs() > ROUNDED * torch.finfo(down.dtype).eps * longest) & down.isfinite()
+        to_rest = -torch.minimum(torch.maximum(action, backward), longest)
+        pull = down.abs()
+        pulls = (pull > ROUNDED * torch.finfo(pull.dtype).eps * longest) & (pull < math.inf)
         return actuator.clip(action + torch.where(pulls, down, to_rest))
 
     def finish(self, action: Tensor, last: Tensor, actuator: Actuator, dt: float) -> Tensor:

@@ -143,7 +143,7 @@ class ControlStep:
     def finish(self, memory: Memory, values: Named, descent: Named) -> tuple[Memory, Actions]:
         """The memory, and what to send to each actuator."""
         # What the last gradient of the descent has left is what is remembered.
-        final, goal_factors = dict(values), memory[GOAL_FACTORS]
+        final, goal_factors = dict(values), memory[GOAL_FACTORS].clone()
         remembered: Memory = {
             GOAL_FACTORS: goal_factors,
             STEPS: (memory[STEPS] + 1) % STEPS_AT_MOST,

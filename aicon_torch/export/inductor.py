@@ -13,6 +13,7 @@ from torch.fx.experimental.proxy_tensor import make_fx
 
 from aicon_torch.control.stages import Named, Stage, run
 from aicon_torch.control.step import Actions, ControlStep
+from aicon_torch.differentiation import recorded
 from aicon_torch.export.codegen.operations import noted
 from aicon_torch.resolution import Memory
 
@@ -143,7 +144,8 @@ def _traced(
         torch.ops.aten.bmm.default: _written_out,
         torch.ops.aten.scatter_add.default: _scattered,
     }
-    graph = make_fx(function, decompositions)(*examples)
+    with recorded():
+        graph = make_fx(function, decompositions)(*examples)
     graph.graph.eliminate_dead_code()
 
     # Inputs that nothing reads are not asked for.

@@ -205,14 +205,16 @@ class Chain(nn.Module):
             ``(*B, 6, n)``.
         """
         axes = self._axes(frames)
-        turns = self.turns.to(frames.device)
-        angular = torch.where(turns, axes, 0.0)
-        return torch.cat((self.point_jacobian_at(frames, point), angular.mT), dim=-2)
+        angular = torch.where(self.turns.to(frames.device), axes, 0.0)
+        return torch.cat((self._linear(frames, axes, point), angular.mT), dim=-2)
 
     def point_jacobian_at(self, frames: Tensor, point: Tensor) -> Tensor:
         """How each joint moves a point: the upper half of :meth:`jacobian_at`, ``(*B, 3, n)``."""
-        axes, origins = self._axes(frames), frames[..., :-1, :3, 3]
-        turned = torch.linalg.cross(axes, point.unsqueeze(-2) - origins)
+        return self._linear(frames, self._axes(frames), point)
+
+    def _linear(self, frames: Tensor, axes: Tensor, point: Tensor) -> Tensor:
+        """The same, where the axes ``(*B, n, 3)`` are known."""
+        turned = torch.linalg.cross(axes, point.unsqueeze(-2) - frames[..., :-1, :3, 3])
         linear: Tensor = torch.where(self.turns.to(frames.device), turned, axes)
         return linear.mT
 

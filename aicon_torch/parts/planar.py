@@ -21,7 +21,9 @@ def as_points(numbers: Tensor) -> Tensor:
 
 def cross(first: Tensor, second: Tensor) -> Tensor:
     """The planar cross product x₁y₂ − y₁x₂, ``(*B,)``, of vectors ``(*B, 2)``."""
-    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+    x_first, y_first = first.unbind(-1)
+    x_second, y_second = second.unbind(-1)
+    return x_first * y_second - y_first * x_second
 
 
 def quarter_turn(vectors: Tensor) -> Tensor:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from aicon_torch.differentiation import stop
+from aicon_torch.differentiation import is_nowhere, stop
 from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import as_points, cross, norm, pose_error, quarter_turn
@@ -81,9 +81,13 @@ class PoseMotion:
         point, distance = nearest_point(pusher, body.sides(body.keypoints_at(pose)))
         gap = distance.squeeze(-1) - self.radius
 
-        # How far the pusher went beyond it, and what that does.
+        # How far the pusher went beyond it.
         normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
+        if is_nowhere(push != 0):
+            return torch.zeros_like(pose)
+
+        # What that does.
         if isinstance(self.friction, int | float) and self.friction == 0:
             response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
             return push.unsqueeze(-1) * response.squeeze(-2)

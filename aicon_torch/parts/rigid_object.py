@@ -104,9 +104,8 @@ class RigidObject:
         """
         # Each side ends where the next one begins.
         ends = (*self.outline_order[1:], self.outline_order[0])
-        return torch.cat(
-            (x_keypoints[..., self.outline_order, :], x_keypoints[..., ends, :]), dim=-1
-        )
+        pairs = tuple(zip(self.outline_order, ends, strict=True))
+        return x_keypoints[..., pairs, :].flatten(-2)
 
     def keypoints_at(self, pose: Tensor) -> Tensor:
         """The keypoints R(θ) rᵢ + (x, y) of an object at a pose.

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import is_nowhere
 from aicon_torch.errors import OptionError
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients
 from aicon_torch.resolution.escape import TrapEscape
@@ -113,7 +114,7 @@ class Exploration:
 
     def __call__(
         self, stack: GradientStack, ranked: RankedGradients, memory: Memory
-    ) -> tuple[Tensor, Tensor, Memory]:
+    ) -> tuple[Tensor, Tensor | None, Memory]:
         """Decide whether to explore, and where to.
 
         Args:
@@ -122,18 +123,17 @@ class Exploration:
             memory: What was remembered of this quantity.
 
         Returns:
-            Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, and the new
-            memory.
+            Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, None where it
+            is known that no row explores, and the new memory.
         """
         # 1. The moving average of the quantity's motion.
         rate = stack.dt / (stack.dt + self.average_time)
         average = torch.lerp(memory["average"], stack.motion, rate)
 
-        # 2. Do the two strongest oppose each other (with hysteresis), and is neither much stronger?
+        # 2. It begins where the two strongest oppose each other, and neither is much stronger.
         was_exploring = memory["exploring"]
         comparison = self.compare(ranked, was_exploring)
         enters = (comparison.cosine < self.enter_cosine) & ~comparison.is_decided
-        stays = (comparison.cosine <= self.exit_cosine) & ~comparison.is_decided
         if self.unless_tracking:
             enters = enters & ~self.is_tracking(stack, ranked, average)
         new_memory = {
@@ -142,18 +142,21 @@ class Exploration:
             "average": average,
         }
 
-        # 3. Beyond the text: it ends only once there is progress.
+        # How far it has moved since then, by which progress is measured.
         if self.escape.progress:
             moved = memory["displacement"] + stack.motion
-            displacement = moved * was_exploring.unsqueeze(-1)
-            new_memory["displacement"] = displacement
-            waits = self.escape.waits_for_progress(stack, displacement)
-            if waits is not None:
-                stays = stays | waits
+            new_memory["displacement"] = moved * was_exploring.unsqueeze(-1)
+
+        # 3. Where it has begun, it goes on (with hysteresis).
+        exploring = enters
+        if not is_nowhere(was_exploring):
+            stays = self.stays(stack, comparison, new_memory)
+            exploring = torch.where(was_exploring, stays, enters)
+        new_memory["exploring"] = exploring
 
         # 4. Move along the nullspace.
-        exploring = torch.where(was_exploring, stays, enters)
-        new_memory["exploring"] = exploring
+        if is_nowhere(exploring) and not self.escape.onward:
+            return exploring, None, new_memory
         normals = self.escape.normals(stack, ranked) or [select(ranked.directions, ranked.dominant)]
         before = average
         if self.escape.onward:
@@ -163,6 +166,22 @@ class Exploration:
         if self.escape.onward:
             new_memory |= {"tangent": tangent, "normal": normals[0]}
         return exploring, self.escape.hold_level(tangent, stack, ranked), new_memory
+
+    def stays(self, stack: GradientStack, comparison: Comparison, memory: Memory) -> Tensor:
+        """Whether exploration that has begun goes on, ``(*B,)``.
+
+        Args:
+            stack: The gradients that meet.
+            comparison: The dominant one beside its opponent.
+            memory: What is remembered from this step on.
+        """
+        stays = (comparison.cosine <= self.exit_cosine) & ~comparison.is_decided
+
+        # Beyond the text: it ends only once there is progress.
+        waits = None
+        if self.escape.progress:
+            waits = self.escape.waits_for_progress(stack, memory["displacement"])
+        return stays if waits is None else stays | waits
 
     def compare(self, ranked: RankedGradients, exploring: Tensor) -> Comparison:
         """Set the dominant gradient against its opponent.
@@ -179,21 +198,24 @@ class Exploration:
         candidates = magnitudes.masked_fill(indices == ranked.dominant, -1.0)
 
         # Or only those that oppose the dominant one: cos ≤ θ_exit while exploring, else θ_enter.
+        cosines = (dominant.unsqueeze(-2) * ranked.directions).sum(-1)
         if self.opponent == "opposing":
-            cosines = (dominant.unsqueeze(-2) * ranked.directions).sum(-1)
-            exit_cosine = cosines.new_tensor(self.exit_cosine)
-            enter_cosine = cosines.new_tensor(self.enter_cosine)
-            largest = torch.where(exploring, exit_cosine, enter_cosine).unsqueeze(-1)
+            largest: Tensor | float = self.enter_cosine
+            if not is_nowhere(exploring):
+                exit_cosine = cosines.new_tensor(self.exit_cosine)
+                enter_cosine = cosines.new_tensor(self.enter_cosine)
+                largest = torch.where(exploring, exit_cosine, enter_cosine).unsqueeze(-1)
             candidates = candidates.masked_fill(cosines > largest, -1.0)
 
         # The opponent is the strongest candidate.
         magnitude, opponent = candidates.max(-1, keepdim=True)
         is_alone = magnitude < 0
-        cosine = (dominant * select(ranked.directions, opponent)).sum(-1)
-        cosine = torch.where(is_alone.squeeze(-1), 1.0, cosine)
+        cosine = cosines.gather(-1, opponent).masked_fill(is_alone, 1.0)
 
         is_decided = magnitudes.gather(-1, ranked.dominant) > self.ratio * magnitude
-        return Comparison(cosine, opponent.masked_fill(is_alone, -1), is_decided.squeeze(-1))
+        return Comparison(
+            cosine.squeeze(-1), opponent.masked_fill(is_alone, -1), is_decided.squeeze(-1)
+        )
 
     def is_tracking(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
         """Whether standing still would have cost more than the dominant slope explains, ``(*B,)``.

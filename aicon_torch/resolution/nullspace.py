@@ -100,9 +100,9 @@ class NullspaceProjection(Resolution):
 
         # 3. Give the sum back the magnitude of the dominant gradient, to be compared further on.
         dominant = rank[..., :1].clamp(min=0)
-        dominant_magnitude = magnitudes.gather(-1, dominant)
         restores = self.restore_magnitude and not stack.is_last
         if restores:
+            dominant_magnitude = magnitudes.gather(-1, dominant)
             dominant_weight = weights.gather(-1, dominant)
             smallest = torch.finfo(magnitudes.dtype).tiny
             resolved = resolved * (dominant_magnitude / dominant_weight.clamp(min=smallest))
@@ -112,9 +112,10 @@ class NullspaceProjection(Resolution):
         if exploration is not None:
             ranked = RankedGradients(magnitudes, directions, weights, weighted, dominant)
             exploring, direction, explored = exploration(stack, ranked, memory)
-            if restores:
-                direction = direction * dominant_magnitude
-            resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
+            if direction is not None:
+                if restores:
+                    direction = direction * dominant_magnitude
+                resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
             new_memory |= explored
 
         return resolved, new_memory
@@ -155,15 +156,19 @@ class NullspaceProjection(Resolution):
         ranks = held.shape[-1]
         selected: list[Tensor] = []
         selected_index: list[Tensor] = []
+        selected_magnitude: list[Tensor] = []
 
-        for rank in range(ranks):
-            # The strongest comes next (Eq. 7); the one that held this rank before is favoured.
-            was_here = indices == held[..., rank : rank + 1]
-            favoured = magnitudes * (1.0 + self.margin * was_here.to(torch.float32))
-            magnitude, index = favoured.max(-1, keepdim=True)
+        # By how much each is favoured for each rank: the one that held it before.
+        held_it = (held.unsqueeze(-1) == indices).to(torch.float32)
+        favours = (1.0 + self.margin * held_it).unbind(-2)
+
+        for rank, favour in enumerate(favours):
+            # The strongest comes next (Eq. 7).
+            magnitude, index = (magnitudes * favour).max(-1, keepdim=True)
             strongest = select(gradients, index)
             selected.append(strongest)
-            selected_index.append(index.masked_fill(magnitude == 0, -1))  # nothing was left
+            selected_index.append(index)
+            selected_magnitude.append(magnitude)
 
             # The others lose their component along it (Eq. 8).
             if rank + 1 < ranks:
@@ -171,7 +176,10 @@ class NullspaceProjection(Resolution):
                 gradients = project(strongest, gradients).masked_fill(is_taken, 0.0)
                 magnitudes = torch.linalg.vector_norm(gradients, dim=-1)
 
-        return torch.stack(selected, dim=-2), torch.cat(selected_index, dim=-1)
+        # Where the strongest is zero, nothing was left.
+        nothing_left = torch.cat(selected_magnitude, dim=-1) == 0
+        index = torch.cat(selected_index, dim=-1).masked_fill(nothing_left, -1)
+        return torch.stack(selected, dim=-2), index
 
     def _exploration_among(self, size: int) -> Exploration | None:
         """What explores a quantity of so many components; one alone has no nullspace."""

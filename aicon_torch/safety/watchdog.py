@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import is_nowhere
 from aicon_torch.graph import WorldModel
 from aicon_torch.quantities import AGE, SILENCE, Sensor
 from aicon_torch.readings.validation import BEGINS
@@ -84,10 +85,13 @@ def keep_finite(
     Returns:
         The commands and the memory; a broken row keeps its old memory until its next reading.
     """
-    broken = torch.zeros_like(new[BEGINS])
+    are_finite: list[Tensor] = []
     for value in (*commands.values(), *new.values()):
         if value.is_floating_point():
-            broken = broken | ~_per_row(value, broken).isfinite().all(-1)
+            are_finite.append(_per_row(value, new[BEGINS]).isfinite().all(-1))
+    broken = ~torch.stack(are_finite, dim=-1).all(-1)
+    if is_nowhere(broken):
+        return {name: command.clone() for name, command in commands.items()}, new
 
     # Such a row stays where it was, at rest.
     healed: Memory = {}

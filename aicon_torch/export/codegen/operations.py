@@ -9,6 +9,7 @@ from torch._ops import OpOverload
 from torch.overrides import TorchFunctionMode
 from torch.utils._python_dispatch import TorchDispatchMode
 
+from aicon_torch.differentiation import recorded
 from aicon_torch.errors import GraphError
 
 ATEN = torch.ops.aten
@@ -142,7 +143,7 @@ def noted(
         UnknownValueError: If its course depends on them all the same.
     """
     operations = Operations(inputs, decompositions)
-    with operations, _Reading(operations):
+    with operations, _Reading(operations), recorded():
         return operations, function(*inputs)
 
 
