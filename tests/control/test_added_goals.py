@@ -19,7 +19,14 @@ GOALS: dict[str, Callable[..., Tensor]] = {
 }
 
 
-@pytest.mark.parametrize("quantity", GOALS)
+OFTEN = ("x_obs", "a")
+"""An estimate and an action; the others with the slow tests."""
+
+
+@pytest.mark.parametrize(
+    "quantity",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name not in OFTEN)) for name in GOALS],
+)
 def test_a_goal_that_asks_for_nothing_changes_nothing(quantity: str) -> None:
     """Wherever it arrives, and though other gradients then meet it there, exploration included.
 

@@ -39,7 +39,7 @@ def precise(noise: float) -> Policy:
     return Policy(model)
 
 
-@pytest.mark.parametrize("noise", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize("noise", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-8, 1e-12])
 def test_it_is_loaded_where_it_was_made_and_does_the_same(noise: float, tmp_path: Path) -> None:
     policy = precise(noise)
     policy.export(tmp_path / "policy.so")

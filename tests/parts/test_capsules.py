@@ -101,7 +101,9 @@ def test_more_pairs_than_can_be_compared_are_an_error(monkeypatch: pytest.Monkey
         Capsules.from_urdf(ARM, tip="hand")
 
 
-@pytest.mark.parametrize("name", ["panda", "ur5", "xarm7"])
+@pytest.mark.parametrize(
+    "name", ["panda", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ur5", "xarm7"))]
+)
 def test_what_touches_in_the_physics_touches_as_capsules(name: str) -> None:
     """MuJoCo compares the convex hulls of the same meshes."""
     robot = ROBOTS[name]

@@ -26,7 +26,10 @@ from torch import Tensor
 from aicon_torch import Actuator, Deterministic, Goal, Policy, Sensor, WorldModel
 from aicon_torch.parts import Landmark, Wheels
 
-every_robot = pytest.mark.parametrize("wheels", WHEELS.values(), ids=WHEELS)
+every_robot = pytest.mark.parametrize(
+    "wheels",
+    [pytest.param(w, id=n, marks=[pytest.mark.slow] * (w is CAR)) for n, w in WHEELS.items()],
+)
 ORIGIN = torch.zeros(2, dtype=torch.float64)
 
 

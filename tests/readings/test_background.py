@@ -127,7 +127,9 @@ def test_an_error_is_raised_by_the_step_that_would_have_taken_the_reading() -> N
         background(image_of(2.0), {}, None)
 
 
-@pytest.mark.parametrize("kind", ["eager", "compiled", "exported"])
+@pytest.mark.parametrize(
+    "kind", ["eager", pytest.param("compiled", marks=pytest.mark.slow), "exported"]
+)
 def test_every_policy_takes_it_and_its_estimators_take_the_age(kind: str, tmp_path: Path) -> None:
     """What comes late through the background is as good as a late reading that tells its age."""
     policy = make_policy("nav2d", delay=2, law=Foresight(iterations=1))

@@ -95,7 +95,15 @@ def place(size: int) -> KalmanFilter:
     )
 
 
-@pytest.mark.parametrize(("sweeps", "noise"), [(12, 0.0), (12, 1e-3), (None, 0.0), (None, 1e-3)])
+@pytest.mark.parametrize(
+    ("sweeps", "noise"),
+    [
+        (12, 1e-3),
+        (None, 1e-3),
+        pytest.param(12, 0.0, marks=pytest.mark.slow),
+        pytest.param(None, 0.0, marks=pytest.mark.slow),
+    ],
+)
 def test_a_ceiling_that_comes_down_pushes_nobody_through_the_floor(
     sweeps: int | None, noise: float
 ) -> None:

@@ -75,13 +75,27 @@ WRITTEN: dict[str, tuple[Callable[[Tensor], Tensor], float]] = {
 }
 
 
-@pytest.mark.parametrize("compiled", [False, True], ids=["readable", "compiled"])
-@pytest.mark.parametrize(("written", "most"), WRITTEN.values(), ids=WRITTEN.keys())
+OFTEN = ("no number anywhere", "a root")
+"""What runs compiled in the quick tests as well."""
+
+CASES = [
+    pytest.param(
+        *WRITTEN[name],
+        is_compiled,
+        id=f"{name}-{'compiled' if is_compiled else 'readable'}",
+        marks=[pytest.mark.slow] * (is_compiled and name not in OFTEN),
+    )
+    for name in WRITTEN
+    for is_compiled in (False, True)
+]
+
+
+@pytest.mark.parametrize(("written", "most", "is_compiled"), CASES)
 def test_nothing_moves_where_a_bound_is_no_number(
-    written: Callable[[Tensor], Tensor], most: float, compiled: bool
+    written: Callable[[Tensor], Tensor], most: float, is_compiled: bool
 ) -> None:
     moving = policy(written)
-    assert farthest(quick(moving) if compiled else moving) <= most + 1e-6
+    assert farthest(quick(moving) if is_compiled else moving) <= most + 1e-6
 
 
 def test_one_row_that_knows_nothing_stops_no_other() -> None:

@@ -43,7 +43,9 @@ def one_after_the_other(x: Tensor) -> Tensor:
 
 
 @pytest.mark.parametrize("function", [arithmetic, rows_picked, slopes, one_after_the_other])
-@pytest.mark.parametrize("dtype", [torch.float64, torch.float32], ids=str)
+@pytest.mark.parametrize(
+    "dtype", [torch.float64, pytest.param(torch.float32, marks=pytest.mark.slow)], ids=str
+)
 def test_a_loop_over_rows_gives_the_same_bits(
     function: Callable[[Tensor], Tensor],
     dtype: torch.dtype,

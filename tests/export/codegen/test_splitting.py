@@ -51,7 +51,9 @@ def constants(x: Tensor, y: Tensor) -> Tensor:
     return torch.cat((x.sin(), torch.ones_like(y), x, y))
 
 
-@pytest.mark.parametrize("dtype", [torch.float64, torch.float32], ids=str)
+@pytest.mark.parametrize(
+    "dtype", [torch.float64, pytest.param(torch.float32, marks=pytest.mark.slow)], ids=str
+)
 @pytest.mark.parametrize("function", [arithmetic, choices, solutions, constants])
 def test_a_function_in_two_gives_the_same_bits(
     function: Callable[[Tensor, Tensor], Tensor], dtype: torch.dtype, tmp_path: Path

@@ -30,7 +30,15 @@ def drive(policy: Policy, obstacles: list[Any], steps: int) -> tuple[bool, bool]
     return info["is_success"], info["collision"]
 
 
-@pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
+@pytest.mark.parametrize(
+    "preset",
+    [
+        "aicon",
+        "paper_literal",
+        pytest.param("steepest", marks=pytest.mark.slow),
+        pytest.param("potential_field", marks=pytest.mark.slow),
+    ],
+)
 def test_in_the_open_every_policy_arrives(preset: str) -> None:
     assert drive(driven("nav2d", preset=preset), [], 400) == (True, False)
 
