@@ -317,13 +317,10 @@ class Affine(Interconnection):
 
     def forward(self, values: Values) -> Tensor:
         """The sum ``(*B, m)``."""
-        first, *others = self._quantities
-        total = self._term(first, values)
-        for name in others:
-            if self.factors.get(name) == -1:
-                total = total - values[name]
-            else:
-                total = total + self._term(name, values)
+        terms = [self._term(name, values) for name in self._quantities]
+        total = terms[0]
+        for term in terms[1:]:
+            total = total + term
         return total
 
     def linearize(

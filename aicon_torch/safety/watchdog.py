@@ -90,6 +90,8 @@ def keep_finite(
         if value.is_floating_point():
             are_finite.append(_per_row(value, new[BEGINS]).isfinite().all(-1))
     broken = ~torch.stack(are_finite, dim=-1).all(-1)
+
+    # Nothing to heal; what is done with a command does not change the memory, which has it too.
     if is_nowhere(broken):
         return {name: command.clone() for name, command in commands.items()}, new
 

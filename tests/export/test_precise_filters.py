@@ -28,6 +28,7 @@ def precise(noise: float) -> Policy:
         initial=((1.0, 1.0), 9.0),
         correct=[Measurement(Affine(x=1.0, z=-1.0), noise, size=2)],
     )
+
     model = WorldModel(
         sensors={"z": Sensor(2, "m")},
         actuators={"v": Actuator(2, "m/s", limit=1.0)},

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
@@ -70,9 +71,9 @@ def test_few_steps_are_taken_where_all_that_is_drawn_hangs_on_rounding(
 ) -> None:
     taken = []
 
-    def counted(*arguments):  # type: ignore[no-untyped-def]  # as run is
-        taken.append(arguments)
-        return run(*arguments)
+    def counted(stages: Any, groups: Any) -> Any:
+        taken.append(stages)
+        return run(stages, groups)
 
     run = exporting.run
     monkeypatch.setattr(exporting, "run", counted)

@@ -90,6 +90,7 @@ def test_readings_may_be_late() -> None:
         delay=5,
         wheels=DRIVE,
     )
+
     model = WorldModel(
         sensors={"z_tar": Sensor(2, "m", age=4 * DT)},
         actuators={"a": Actuator(2, "m/s", limit=(0.5, 0.5))},
@@ -98,6 +99,7 @@ def test_readings_may_be_late() -> None:
         dt=DT,
         dtype=torch.float64,
     )
+
     policy, memory, way = compiled(Policy(model)), None, [starts(DRIVE, count=10)]
     for _ in range(300):
         action, memory = policy.predict({"z_tar": seen(way[-5:][0], ORIGIN)}, memory)

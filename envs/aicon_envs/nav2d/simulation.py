@@ -89,7 +89,8 @@ class Simulation:
         noise = self._noise.advance()
 
         # Limit the norm of the command, add the noise of motors that drive, and move.
-        velocity = command.T.copy().clip(-LARGEST_SQUARED, LARGEST_SQUARED)
+        velocity = command.T.copy()
+        np.clip(velocity, -LARGEST_SQUARED, LARGEST_SQUARED, out=velocity)
         drives = (velocity != 0.0).any(0)
         max_speed = self.physics.max_speed
         velocity *= max_speed / np.maximum(_norm(velocity), max_speed)

@@ -6,6 +6,7 @@ from itertools import cycle
 
 import numpy as np
 import pytest
+from _inputs.needs import NEEDS_PYMUNK
 
 from aicon_baselines import agents, tasks
 from aicon_baselines.agents.registry import AGGREGATIONS
@@ -15,7 +16,6 @@ from aicon_baselines.resolutions import PCGrad
 from aicon_torch import Policy, presets
 
 SLOW = pytest.mark.slow
-NEEDS_PYMUNK = pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
 TASKS = ["nav2d", pytest.param("pusht", marks=NEEDS_PYMUNK)]
 
 

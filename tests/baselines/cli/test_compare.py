@@ -2,17 +2,15 @@
 
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from _inputs.needs import NEEDS_PYMUNK
 
 from aicon_baselines import tasks
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.rows_file import read_rows
 from aicon_torch.export.codegen import has_compiler
-
-NEEDS_PYMUNK = pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
 
 
 def aicon_compare(*words: str, task: str = "nav2d") -> subprocess.CompletedProcess[str]:

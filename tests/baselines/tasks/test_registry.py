@@ -3,21 +3,16 @@
 import sys
 from functools import partial
 from importlib.metadata import EntryPoint
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from _inputs.needs import NEEDS_PYMUNK
 
 from aicon_baselines import agents, tasks
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.tasks import registry
 
-TASKS = [
-    "nav2d",
-    pytest.param(
-        "pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
-    ),
-]
+TASKS = ["nav2d", pytest.param("pusht", marks=NEEDS_PYMUNK)]
 
 
 def test_unknown_names_list_the_valid_ones() -> None:

@@ -6,6 +6,9 @@ from typing import Any
 import pytest
 
 KINDS = [("nav2d", "ppo"), ("nav2d", "sac"), ("pusht", "ppo"), ("pusht", "sac")]
+QUICK = KINDS[0], KINDS[3]
+"""With the quick tests each task and each algorithm is there once."""
+
 STEPS = {"ppo": 256, "sac": 60}
 
 
@@ -33,16 +36,10 @@ def agent_folders(
     return folders
 
 
-EVERY_KIND = [
-    ("nav2d", "ppo"),
-    pytest.param(("nav2d", "sac"), marks=pytest.mark.slow),
-    pytest.param(("pusht", "ppo"), marks=pytest.mark.slow),
-    ("pusht", "sac"),
-]
-"""With the quick tests each task and each algorithm once."""
-
-
-@pytest.fixture(params=EVERY_KIND, ids="-".join)
+@pytest.fixture(
+    params=[pytest.param(kind, marks=[pytest.mark.slow] * (kind not in QUICK)) for kind in KINDS],
+    ids="-".join,
+)
 def kind(request: pytest.FixtureRequest) -> tuple[str, str]:
     """A task and an algorithm."""
     kind: tuple[str, str] = request.param
