@@ -43,7 +43,7 @@ def watched(browser: Browser, view: LiveView) -> Iterator[Page]:
 
 def wait_until(condition: Callable[[], bool]) -> None:
     """Wait for what a click brings about, patiently: the machine may be busy."""
-    for _ in range(600):
+    for _ in range(2400):
         if condition():
             return
         time.sleep(0.05)

@@ -27,12 +27,13 @@ pytestmark = pytest.mark.slow  # without a GPU a world in space takes a minute t
 
 @pytest.fixture(scope="module", params=WORLDS)
 def view(request: pytest.FixtureRequest) -> LiveView:
-    """A world that rests."""
+    """A world that rests, and once it plays goes on until it is paused, however late that is."""
     if request.param != "nav2d":
         pytest.importorskip("mujoco", reason="the arms need MuJoCo")
     condition, seed, _ = WORLDS[request.param]
     episode = open_episode(request.param, condition=condition, seed=seed)
-    return LiveView(episode, serve("127.0.0.1", 0), paused=True, compiles=False)
+    server = serve("127.0.0.1", 0)
+    return LiveView(episode, server, paused=True, compiles=False, loops=True)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from _pages import NAMES, TASKS, picture, start, visited
+from _pages import NAMES, TASKS, picture, start, until, visited
 
 pytestmark = pytest.mark.slow
 
@@ -20,5 +20,4 @@ def test_it_moves_by_itself(name: str, pages: Path, browser: Any) -> None:
     with visited(browser, pages / f"{name}.html") as page:
         start(page, playing=True)
         before = picture(page)
-        page.wait_for_timeout(1000)
-        assert picture(page) != before
+        until(lambda: picture(page) != before, "nothing moves")
