@@ -360,6 +360,10 @@ EXPORTED void aicon_step(long rows, const unsigned char *starts, const void *rea
     memcpy((real *)next + row * MEMORY, after, sizeof after);
   }
 }
+
+/* Whether an episode has yet to begin after a step, as a reading that it begins with has not come:
+   the commands of that step are not to be sent. */
+EXPORTED int aicon_begins(const void *memory) { return ((const real *)memory)[BEGINS] != 0; }
 """
 
 _TEST = """\

@@ -21,6 +21,7 @@ from aicon_torch.export.codegen import FlatFunction
 from aicon_torch.export.layout import Layout
 from aicon_torch.quantities import AGE
 from aicon_torch.readings.observation import in_unit
+from aicon_torch.readings.validation import BEGINS
 
 
 class FlatStep:
@@ -72,9 +73,9 @@ class FlatStep:
         return self._in_units(group) if name == "readings" else group
 
     def blank(self) -> Tensor:
-        """The memory before the first episode: nothing, and every goal switched on."""
+        """The memory before the first episode, which has yet to begin: every goal switched on."""
         memory = self.unpack("memory", self.model.like.new_zeros(self.layouts["memory"].size))
-        for key in OUTLASTS_EPISODES:
+        for key in (BEGINS, *OUTLASTS_EPISODES):
             memory[key] = torch.ones_like(memory[key])
         return self.pack("memory", memory)
 

@@ -15,7 +15,7 @@ from aicon_torch.export.codegen.targets import this_machine
 from aicon_torch.export.elf import read_header
 from aicon_torch.export.loading import open_library
 
-FORMAT = 1
+FORMAT = 2
 """Number of the format of an exported policy: its functions and its metadata."""
 
 _SYMBOLS = ("aicon_sizes", "aicon_metadata", "aicon_blank", "aicon_step", "aicon_test")

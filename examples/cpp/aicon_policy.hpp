@@ -250,6 +250,7 @@ class Policy {
 
     step_ = reinterpret_cast<Step>(library_.find("aicon_step"));
     blank_ = reinterpret_cast<Blank>(library_.find("aicon_blank"));
+    begins_ = reinterpret_cast<Begins>(library_.find("aicon_begins"));
     metadata_ = static_cast<const char *>(library_.find("aicon_metadata"));
     if (!reinterpret_cast<Test>(library_.find("aicon_test"))())
       throw std::runtime_error(path + ": computes something else here; export it again");
@@ -282,6 +283,10 @@ class Policy {
     return step(readings.data());
   }
 
+  // Whether the episode has yet to begin, as a reading that it begins with has not come: send no
+  // command then, which may be a place.
+  bool begins() const { return starts_ || begins_(memory_.data()) != 0; }
+
   // Number of readings and of commands.
   int readings() const { return readings_; }
   int commands() const { return static_cast<int>(commands_.size()); }
@@ -290,14 +295,16 @@ class Policy {
   const char *metadata() const { return metadata_; }
 
  private:
-  static constexpr int kFormat = 1;
+  static constexpr int kFormat = 2;
   using Step = void (*)(long, const unsigned char *, const void *, const void *, void *, void *);
   using Blank = void (*)(void *);
+  using Begins = int (*)(const void *);
   using Test = int (*)();
 
   Library library_;
   Step step_ = nullptr;
   Blank blank_ = nullptr;
+  Begins begins_ = nullptr;
   const char *metadata_ = nullptr;
   int readings_ = 0;
   std::vector<Real> memory_;

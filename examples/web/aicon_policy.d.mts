@@ -52,6 +52,9 @@ export class Policy {
   /** The next step is the first of an episode. Goals that were switched stay as they are. */
   reset(): void;
 
+  /** Whether the episode has yet to begin, as a reading that it begins with has not come. */
+  readonly begins: boolean;
+
   /**
    * One control step.
    *

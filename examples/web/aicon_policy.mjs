@@ -5,7 +5,7 @@
 //
 // A step allocates nothing, and the module imports nothing: what it computes is all that it can do.
 
-const FORMAT = 1;
+const FORMAT = 2;
 const PAGE = 65536; // bytes of WebAssembly's unit of memory
 
 export class Policy {
@@ -65,6 +65,10 @@ export class Policy {
       1, 0, this.#readings.byteOffset, memory, memory, this.#commands.byteOffset);
     return this.#commands;
   }
+
+  // Whether the episode has yet to begin, as a reading that it begins with has not come: send no
+  // command then, which may be a place.
+  get begins() { return this.#exports.aicon_begins(this.#memory.byteOffset) === 1; }
 
   // Number of readings and of commands.
   get readings() { return this.#readings.length; }

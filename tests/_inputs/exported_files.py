@@ -14,7 +14,7 @@ REFUSED = {
     "changed": "is damaged: its checksum",
     "no_checksum": "is damaged or cut off",
     "cut_off": r"is cut off: \d+ of \d+ bytes",
-    "other_format": "format 9.* reads format 1",
+    "other_format": "format 9.* reads format 2",
     "other_numbers": "computes something else here|does not compute here what it did",
 }
 """What an error says of each file."""
@@ -46,7 +46,7 @@ def write_wrong_file(name: str, good: Path, folder: Path) -> Path:
     elif name == "cut_off":
         path.write_bytes(library[: len(library) // 2])
     elif name == "other_format":
-        text = source.read_text().replace("#define FORMAT 1", "#define FORMAT 9")
+        text = source.read_text().replace("#define FORMAT 2", "#define FORMAT 9")
         compile_library(text, path)
     elif name == "other_numbers":
         before = "recorded[MEMORY + COMMANDS] = {"

@@ -30,6 +30,18 @@ static void take_a_step(const char *file, const std::vector<double> &readings) {
   for (int i = 0; i < policy.commands(); ++i) std::printf("%.17g ", double(command[i]));
 }
 
+// Before a step, without readings, with them, and when an episode is to begin.
+static void tell_where_it_begins(const char *file, const std::vector<double> &readings) {
+  aicon::Policy<double> policy(file);
+  std::printf("%d", policy.begins());
+  policy.step(std::vector<double>(readings.size(), std::nan("")));
+  std::printf("%d", policy.begins());
+  policy.step(readings);
+  std::printf("%d", policy.begins());
+  policy.reset();
+  std::printf("%d", policy.begins());
+}
+
 // Two files are copied to one place, one after the other, and loaded from there.
 static void load_from_one_place(char **files, const std::vector<double> &readings) {
   std::vector<aicon::Policy<double>> policies;
@@ -49,6 +61,7 @@ int main(int count, char **words) {
   for (int i = in_one_place ? 5 : 3; i < count; ++i) readings.push_back(std::stod(words[i]));
   try {
     if (in_one_place) load_from_one_place(words + 2, readings);
+    else if (words[1][0] == 'b') tell_where_it_begins(words[2], readings);
     else if (words[1][0] == 'f') take_a_step<float>(words[2], readings);
     else take_a_step<double>(words[2], readings);
   } catch (const std::exception &error) {
@@ -74,10 +87,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def said(folder: Path, file: Path, readings: Any = (), precision: str = "double") -> str:
-    """What the program prints."""
+def said(folder: Path, file: Path, readings: Any = (), does: str = "double") -> str:
+    """What the program prints: one step in a precision, or what else it does."""
     numbers = [str(float(reading)) for reading in readings]
-    command = [str(folder / "program"), precision, str(file), *numbers]
+    command = [str(folder / "program"), does, str(file), *numbers]
     text: str = subprocess.run(
         command, capture_output=True, check=True, text=True, timeout=300
     ).stdout
@@ -92,6 +105,12 @@ def test_a_step_is_that_of_python(folder: Path) -> None:
     text = said(folder, folder / "good.so", policy.flat_readings(observation))
     command = np.array(text.split(), dtype=np.float64)
     np.testing.assert_array_equal(command.astype(np.float32), action)
+
+
+def test_it_says_that_its_commands_are_not_to_be_sent(folder: Path) -> None:
+    observation = {"bearing": np.full(1, 0.5), "range": np.full(1, 0.5)}
+    readings = load_exported(folder / "good.so").flat_readings(observation)
+    assert said(folder, folder / "good.so", readings, does="begins") == "1101"
 
 
 def test_a_policy_that_replaces_another_one_is_the_one_that_runs(
@@ -116,7 +135,7 @@ def test_wrong_files_are_refused(name: str, words: str, folder: Path, tmp_path: 
 
 
 def test_another_precision_is_refused(folder: Path) -> None:
-    text = said(folder, folder / "good.so", precision="float")
+    text = said(folder, folder / "good.so", does="float")
     assert "numbers of 8 bytes, and this class in 4" in text
 
 

@@ -166,6 +166,26 @@ def test_it_tells_what_it_holds_and_what_it_decided(small: Path) -> None:
     assert -1 <= told["decided"]["cosine"] <= 1
 
 
+def test_it_begins_with_the_first_readings_that_come(small: Path) -> None:
+    """Until then its commands are not to be sent."""
+    told = in_node(
+        """
+        const policy = await Policy.load(process.argv[2]);
+        const take = (bearing, range) =>
+            [Array.from(policy.step([bearing, range, NaN, 0, 0, NaN, NaN])), policy.begins];
+        const before = policy.begins, lacking = take(NaN, NaN), first = take(0.5, 1.0);
+        policy.reset();
+        const reset = policy.begins, again = take(0.5, 1.0);
+        console.log(JSON.stringify({ before, lacking, first, reset, again }));
+        """,
+        str(small),
+    )
+    assert told["before"] and told["lacking"][1] and told["reset"]
+    commands, begins = told["first"]
+    assert not begins and np.linalg.norm(commands) > 0.0
+    assert told["again"] == told["first"]
+
+
 @pytest.mark.parametrize("place", ["anywhere", "end"])
 def test_a_damaged_file_is_refused(place: str, small: Path, tmp_path: Path) -> None:
     spoilt = bytearray(small.read_bytes())
