@@ -17,11 +17,11 @@ from aicon_torch.control.stages import Named, run
 from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen import cached_library, compile_library, in_c, prelude
-from aicon_torch.export.codegen.files import check_folder, write_whole
 from aicon_torch.export.codegen.targets import WEB, find_target
 from aicon_torch.export.flat_step import FlatStep
 from aicon_torch.export.in_turn import in_turn
 from aicon_torch.export.library import FORMAT, Library
+from aicon_torch.files import check_folder, write_whole
 from aicon_torch.graph import WorldModel
 from aicon_torch.readings.validation import BEGINS
 

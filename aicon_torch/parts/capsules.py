@@ -1,6 +1,5 @@
 """The capsules of a robot, fitted to the collision geometry of its description."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +11,12 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_surfaces
+from aicon_torch.parts.capsule_fit import Segment, around_cylinder
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
 from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.kept_fits import fitted_once
 from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision, distant_pairs
 from aicon_torch.quantities import as_count
 
@@ -33,9 +33,6 @@ MOST_PAIRS = 20_000
 
 APART = 0.01
 """Links that were never further apart than this in any of them, m, are taken for neighbours."""
-
-_FITTED: dict[bytes, tuple[Segment, ...]] = {}
-"""The capsules of surfaces that were fitted before."""
 
 
 @dataclass(frozen=True)
@@ -177,22 +174,8 @@ def _fit(geometry: CollisionGeometry, per_link: int) -> list[Segment]:
         segments.append(segment.moved(cylinder.pose))
 
     if geometry.triangles:
-        segments += _around(geometry.triangles, per_link)
+        segments += fitted_once(geometry.triangles, per_link)
     return segments
-
-
-def _around(surfaces: Sequence[NDArray[Any]], count: int) -> tuple[Segment, ...]:
-    """A few capsules about some surfaces; the same surfaces are fitted once in a process.
-
-    A link takes about a second, and a robot is often read again: by a policy, a shield, a world.
-    """
-    digest = hashlib.sha256(str(count).encode())
-    for surface in surfaces:
-        digest.update(surface.tobytes())
-    key = digest.digest()
-    if key not in _FITTED:
-        _FITTED[key] = tuple(around_surfaces(surfaces, count))
-    return _FITTED[key]
 
 
 def _placed(segment: Segment, number: int, transform: NDArray[Any]) -> Capsule:

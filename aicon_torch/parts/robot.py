@@ -41,8 +41,8 @@ class Robot:
                 gripper.
             base: The link in whose frame everything is; the root by default.
             srdf: A file, or the text of one, that says which links need not be compared.
-            collisions: Whether to fit capsules to the collision geometry, which takes seconds.
-                Where the URDF has none, there is a warning, and the robot has no shape.
+            collisions: Whether to fit capsules to the collision geometry, which takes seconds the
+                first time. Where the URDF has none, there is a warning, and the robot has no shape.
 
         Raises:
             OptionError: See :meth:`aicon_torch.parts.Chain.from_urdf`.

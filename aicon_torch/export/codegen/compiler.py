@@ -15,9 +15,9 @@ from pathlib import Path
 import torch
 
 from aicon_torch.errors import OptionError
-from aicon_torch.export.codegen.files import check_folder, write_whole
 from aicon_torch.export.codegen.seal import MARK, Seal, sealed
 from aicon_torch.export.codegen.targets import find_target, this_machine
+from aicon_torch.files import check_folder, write_whole
 
 FLAGS = (
     *("-O2", "-std=gnu11", "-fPIC", "-fvisibility=hidden"),
