@@ -1,6 +1,7 @@
 """From a traced graph of tensor operations to a program of numbers."""
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from inspect import signature
 from typing import Any
 
@@ -118,7 +119,7 @@ def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
         raise _refused(operation, "it writes into a tensor that is given as out=...")
 
     try:
-        signature(translation).bind(writer, _kind(operation), *args, **kwargs)
+        _signature(translation).bind(writer, _kind(operation), *args, **kwargs)
     except TypeError as error:  # an argument that its translation does not know
         raise _refused(operation, str(error)) from error
     try:
@@ -131,6 +132,10 @@ def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
         args[0][...] = result
         return args[0]
     return result
+
+
+_signature = cache(signature)
+"""What a translation takes, looked at once."""
 
 
 def _check_type(operation: Operation, tensor: Tensor, numbers: Array, program: Program) -> None:
