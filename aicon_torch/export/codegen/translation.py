@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
-from inspect import signature
+from inspect import Signature, signature
 from typing import Any
 
 import numpy as np
@@ -134,8 +134,10 @@ def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
     return result
 
 
-_signature = cache(signature)
-"""What a translation takes, looked at once."""
+@cache
+def _signature(translation: Translation) -> Signature:
+    """What a translation takes, looked at once."""
+    return signature(translation)
 
 
 def _check_type(operation: Operation, tensor: Tensor, numbers: Array, program: Program) -> None:
