@@ -24,10 +24,11 @@ _Result = TypeVar("_Result")
 
 
 class _Mode(threading.local):
-    """What this thread does besides computing: it learns, or what it computes is recorded."""
+    """What this thread does besides computing: it learns, records, or takes gradients literally."""
 
     learns = False
     is_recorded = False
+    is_literal = False
 
 
 _MODE = _Mode()
@@ -58,6 +59,25 @@ def recorded() -> Iterator[None]:
         yield
     finally:
         _MODE.is_recorded = before
+
+
+@contextmanager
+def literal() -> Iterator[None]:
+    """Take the gradients of functions literally, as long as it lasts.
+
+    A part may give a goal another gradient than that of the chain rule, such as the natural one. A
+    bound holds if its slope is that of its gap, and nothing else.
+    """
+    before, _MODE.is_literal = _MODE.is_literal, True
+    try:
+        yield
+    finally:
+        _MODE.is_literal = before
+
+
+def is_literal() -> bool:
+    """Whether what is computed now is to have the gradient of the chain rule."""
+    return _MODE.is_literal
 
 
 def is_nowhere(flags: Tensor) -> bool:

@@ -8,7 +8,8 @@ has one value for all of them.
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from inspect import ismethod
 from typing import Any, NamedTuple
 
@@ -26,6 +27,9 @@ have a variance vanish stays finite. A start that is too large is safe, one too 
 
 LEARNED = "_learned"
 """Attribute of a part that holds its learned numbers."""
+
+COMPUTED = "_is_computed"
+"""Attribute of a class that was made for such a part."""
 
 
 class Learned(nn.Module):
@@ -103,7 +107,8 @@ class Number(NamedTuple):
             self.owner._buffers.pop(self.field, None)
         self.owner.__dict__.pop(self.field, None)
         self.owner.__dict__[LEARNED] = learned
-        object.__setattr__(self.owner, "__class__", _computing(type(self.owner), self.field))
+        kind: type = self.owner.__class__
+        object.__setattr__(self.owner, "__class__", _computing(kind, self.field))
 
 
 def _start(name: str, given: Any, like: Tensor) -> Tensor:
@@ -120,6 +125,7 @@ def _start(name: str, given: Any, like: Tensor) -> Tensor:
     return start
 
 
+@cache
 def _computing(kind: type, field: str) -> type:
     """A subclass, one attribute of which is computed from a parameter."""
 
@@ -127,7 +133,25 @@ def _computing(kind: type, field: str) -> type:
         value: Tensor = part.__dict__[LEARNED][field]()
         return value
 
-    return type(kind.__name__, (kind,), {field: property(computed), "__module__": kind.__module__})
+    def reduced(part: Any) -> tuple[Any, ...]:
+        return _remade, (_original(kind), tuple(part.__dict__[LEARNED])), part.__getstate__()
+
+    known = {field: property(computed), "__module__": kind.__module__, "__reduce__": reduced}
+    return type(kind.__name__, (kind,), {**known, COMPUTED: True})
+
+
+def _original(kind: type) -> type:
+    """The class of a part before any of its numbers learned."""
+    while COMPUTED in vars(kind):
+        kind = kind.__base__ or object
+    return kind
+
+
+def _remade(kind: type, fields: Sequence[str]) -> Any:
+    """A part without its state, some numbers of which are computed: a pickle names its class."""
+    for field in fields:
+        kind = _computing(kind, field)
+    return object.__new__(kind)
 
 
 def _is_covariance(owner: Any, field: str) -> bool:
@@ -210,8 +234,8 @@ def make_learn(
     numbers, weights = numbers_of(parts), dict(_weights(parts))
 
     # Nothing learns but what is named.
-    for weight in weights.values():
-        weight.requires_grad_(False)
+    for parameter in (*weights.values(), *(known.theta for known in learned_in(parts).values())):
+        parameter.requires_grad_(False)
 
     found: dict[str, nn.Parameter] = {}
     for name, start in names.items():
@@ -221,7 +245,7 @@ def make_learn(
             number = numbers[name]
             if number.field not in getattr(number.owner, LEARNED, {}) or start is not None:
                 number.make_learn(name, start, like)
-            found[name] = getattr(number.owner, LEARNED)[number.field].theta
+            found[name] = getattr(number.owner, LEARNED)[number.field].theta.requires_grad_()
         elif below and start is None:
             for weight in below.values():
                 weight.requires_grad_()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Self, cast
 
 import numpy as np
 import torch
@@ -29,6 +29,7 @@ from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.export.native import NativeSteps
 from aicon_torch.goals import Goal, factor_of
 from aicon_torch.graph import Filtered, Information, WorldModel
+from aicon_torch.graph.build import check_modes
 from aicon_torch.graph.checks import check_mode
 from aicon_torch.inspection.explanation import Explanation, explain
 from aicon_torch.inspection.trace import StepTrace, trace
@@ -79,6 +80,8 @@ class Policy(nn.Module):
         check_instance(self, ("model",), WorldModel, "WorldModel(sensors=..., goals=...)")
         check_instance(self, ("resolution",), Resolution, "NullspaceProjection()")
         check_instance(self, ("law",), ActionLaw, "Foresight()")
+        _check_no_parameters("resolution", self.resolution)
+        _check_no_parameters("law", self.law)
         if perception is not None:
             check_function(self, ("perception",), "(observation, values, starts)")
         if isinstance(perception, nn.Module):
@@ -111,9 +114,9 @@ class Policy(nn.Module):
                 starts anew.
             deterministic: Accepted for the signature's sake; the policy has no randomness.
             create_graph: Whether action and memory are to be differentiable by what learns, and by
-                the memory that went in: for imitation, and for search through the model's own
-                prediction. The action is the same but for rounding. Ranks, switches and gates of
-                the mechanism are constants of the step.
+                the memory that went in, not by the observation: for imitation, and for search
+                through the model's own prediction. The action is the same but for rounding.
+                Ranks, switches and gates of the mechanism are constants of the step.
 
         Returns:
             The action ``(*B, size)`` (a dict of them if there are several actuators), and the
@@ -197,6 +200,21 @@ class Policy(nn.Module):
         """
         model = self.model.learn(*names, start=start)
         return Policy(model, self.resolution, self.law, self.perception)
+
+    def train(self, mode: bool = True) -> Self:
+        """Put it into training mode: see :meth:`WorldModel.train`.
+
+        Args:
+            mode: Whether it is training mode.
+
+        Raises:
+            GraphError: As for the model, and for the perception.
+        """
+        if mode:
+            check_modes(self.model.declaration, trains=True)
+        if mode and isinstance(self.perception, nn.Module):
+            check_mode("perception", self.perception, trains=True)
+        return super().train(mode)
 
     def filter(
         self,
@@ -521,6 +539,20 @@ class Policy(nn.Module):
                 )
             executed[name] = action
         return executed
+
+
+def _check_no_parameters(name: str, part: Resolution | ActionLaw) -> None:
+    """Check that a part of the mechanism has nothing to learn.
+
+    Raises:
+        OptionError: If it is a module with parameters.
+    """
+    if isinstance(part, nn.Module) and any(True for _ in part.parameters()):
+        found = choices(called for called, _ in part.named_parameters())
+        raise OptionError(
+            f"{name}={type(part).__name__}(...) has parameters ({found}), and only the numbers and "
+            "networks of the model learn: make them constants."
+        )
 
 
 def _as_numpy(commands: Mapping[str, Tensor]) -> dict[str, Any]:

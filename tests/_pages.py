@@ -43,10 +43,10 @@ def is_own(url: str) -> bool:
 
 
 def start(page: Page, *, playing: bool = False) -> None:
-    """Wait for the policy of a task, and let it stand still."""
-    page.locator("#wants tr").first.wait_for()
+    """Wait for the policy of a task, and let it stand still, long before it has arrived."""
     if not playing:
         page.get_by_role("button", name="Pause").click()
+    page.locator("#wants tr").first.wait_for()
 
 
 def picture(page: Page) -> str:

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,42 @@ def test_a_state_is_loaded_strictly() -> None:
     with pytest.raises(RuntimeError, match="Unexpected key"):
         pusher().load_state_dict(learner.state_dict())
     assert copy.deepcopy(learner).model.numbers[RADIUS] == learner.model.numbers[RADIUS]
+
+
+def test_what_learns_is_pickled() -> None:
+    learner = pusher().learn(RADIUS, "x_pose.noise", "x_pusher.measurements.0.noise")
+    with torch.no_grad():
+        for number, parameter in enumerate(learner.parameters(), start=1):
+            parameter.fill_(0.1 * number)
+
+    for copied in (pickle.loads(pickle.dumps(learner)), copy.deepcopy(learner)):
+        expected, found = learner.model.numbers, copied.model.numbers
+        assert all(torch.equal(found[name], value) for name, value in expected.items())
+        assert copied.state_dict().keys() == learner.state_dict().keys()
+
+        # It learns on its own.
+        with torch.no_grad():
+            copied.model.learned["x_pose/predict/radius"].theta.fill_(1.0)
+        assert copied.model.numbers[RADIUS] != learner.model.numbers[RADIUS]
+
+
+def test_what_learned_before_and_is_not_named_again_stays() -> None:
+    first = tracking_model().learn("p.noise", start={"p.noise": 0.02})
+    second = first.learn("p.measurements.0.noise")
+    assert [name for name, _ in second.named_parameters()] == [
+        "learned.p/measurements/0/noise.theta"
+    ]
+    torch.testing.assert_close(second.numbers["p.noise"], first.numbers["p.noise"])
+    assert len(list(first.parameters())) == 1
+
+    both = second.learn("p.noise", "p.measurements.0.noise")
+    assert len(list(both.parameters())) == 2
+
+
+def test_a_learner_is_made_where_nothing_is_recorded() -> None:
+    with torch.no_grad():
+        learner = tracking_model().learn("p.noise")
+    assert len(list(learner.parameters())) == 1
 
 
 class Seen(nn.Module):

@@ -1,5 +1,7 @@
 """Policies: what the motion does to the costs, kinds of numbers, and small graphs."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import torch
@@ -17,7 +19,7 @@ from _inputs import (
     with_law,
     with_rule,
 )
-from torch import Tensor
+from torch import Tensor, nn
 
 from aicon_torch import (
     Actuator,
@@ -29,6 +31,7 @@ from aicon_torch import (
     NullspaceProjection,
     OptionError,
     Policy,
+    Resolution,
     Sensor,
     Sum,
     TrapEscape,
@@ -75,6 +78,25 @@ def test_the_rule_names_unknown_goals_when_the_policy_is_built() -> None:
     rule = NullspaceProjection(exploration=Exploration(escape=TrapEscape(hold="home")))
     with pytest.raises(OptionError, match="'home'"):
         Policy(two_robots(), rule)
+
+
+class Weighted(nn.Module, Resolution):
+    """A rule with a weight that somebody wants to learn."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.weight = nn.Parameter(torch.ones(()))
+
+    def initial(self, *given: Any) -> Any:
+        return {}
+
+    def __call__(self, *given: Any) -> Any:
+        return given
+
+
+def test_a_rule_that_would_not_learn_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"resolution=Weighted.*'weight'.*only.*the model learn"):
+        Policy(two_robots(), Weighted())
 
 
 def test_by_default_a_policy_projects_and_looks_ahead() -> None:

@@ -206,7 +206,7 @@ def _test(flat: FlatStep) -> str:
 
     return _TEST.format(
         steps=_TEST_STEPS,
-        readings=_initializer(drawn[best].flatten()),
+        readings=_initializer(drawn[best]),
         outcome=_initializer(outcomes[best]),
         settled=_initializer(is_settled[best].int()),
     )
@@ -308,7 +308,10 @@ def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
 
 
 def _initializer(values: Tensor) -> str:
-    """A tensor as the initial value of an array."""
+    """A tensor as the initial value of an array, row by row."""
+    if values.dim() > 1:
+        return "{" + ", ".join(map(_initializer, values)) + "}"
+
     # Python's nan and inf have other names in C.
     numbers = ["NAN" if value != value else repr(value) for value in values.tolist()]
     return "{" + ", ".join(numbers).replace("inf", "INFINITY") + "}"
@@ -332,6 +335,7 @@ _HEADING = """\
    It allocates nothing and keeps nothing: the memory is the caller's. */
 #include <string.h>
 #define EXPORTED __attribute__((visibility("default")))
+#pragma GCC diagnostic ignored "-Wunused-function" /* not every step needs each of its functions */
 """
 
 _STEP = """\

@@ -51,7 +51,7 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
             precision, estimators without memory define each other in a circle, a goal depends on no
             actuator, or no goal depends on an actuator.
     """
-    _check_modes(declaration)
+    check_modes(declaration)
 
     # Run it once: order and shapes.
     estimators = tuple(in_order(declaration.estimators))
@@ -82,14 +82,22 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
     )
 
 
-def _check_modes(declaration: Declaration) -> None:
-    """No network of the graph is still being trained."""
+def check_modes(declaration: Declaration, *, trains: bool = False) -> None:
+    """Check that no network of the graph is in training mode.
+
+    Args:
+        declaration: The parts.
+        trains: Whether all of it is about to be.
+
+    Raises:
+        GraphError: As :func:`check_mode`.
+    """
     nodes: tuple[Estimator | Goal, ...] = (*declaration.estimators, *declaration.goals.values())
     for node in nodes:
-        check_mode(names_of(node)[0], node)
+        check_mode(names_of(node)[0], node, trains=trains)
     for actuator in declaration.actuators:
         for function in declaration.functions_of(actuator):
-            check_mode(actuator, function)
+            check_mode(actuator, function, trains=trains)
 
 
 def _foreseen(

@@ -236,21 +236,23 @@ def check_reach(
             raise GraphError(f"No goal depends on the actuator {name!r}. Goals: {choices(goals)}.")
 
 
-def check_mode(name: str, node: nn.Module) -> None:
-    """Check that no network is still being trained.
+def check_mode(name: str, node: nn.Module, *, trains: bool = False) -> None:
+    """Check that no network is in training mode.
 
     Args:
         name: What the module stands for.
         node: An estimator, a goal, a function of an actuator, or a perception.
+        trains: Whether all of it is about to be.
 
     Raises:
         GraphError: If one has a layer that mixes the rows of a batch, or acts at random.
     """
     for layer in node.modules():
-        if isinstance(layer, UNREADY) and layer.training:
+        if isinstance(layer, UNREADY) and (layer.training or trains):
             raise GraphError(
                 f"{name!r} has a layer {type(layer).__name__} in training mode, in which it mixes "
-                "the rows of a batch or acts at random; call .eval() on the network."
+                "the rows of a batch or acts at random; call .eval() on the network, which learns "
+                "in that mode, too."
             )
 
 

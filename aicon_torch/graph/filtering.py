@@ -119,7 +119,7 @@ class LogFilter(NamedTuple):
                 if step > 0:
                     memory = _begun(memory, self._beginning(reading, batch), begins)
                     memory |= executed[step - 1]
-                if truncate is not None and step % truncate == 0:
+                if truncate is not None and step > 0 and step % truncate == 0:
                     memory = {name: value.detach() for name, value in memory.items()}  # as asked
 
                 # Predict and correct.
@@ -279,11 +279,11 @@ def check_effect(
         costs = [goal(last) for goal in declaration.goals.values()]
         limited = [f(last) for name in actions for f in declaration.functions_of(name)]
 
-    # 3. and see whether any of it can be differentiated by each parameter.
-    found = [*filtered.estimates.values(), *ahead, *costs, *limited]
-    for innovations in filtered.innovations.values():
-        found += [innovations.residual, innovations.spread]
-    total = torch.stack([value.sum() for value in found]).sum()
+        # 3. and see whether any of it can be differentiated by each parameter.
+        found = [*filtered.estimates.values(), *ahead, *costs, *limited]
+        for innovations in filtered.innovations.values():
+            found += [innovations.residual, innovations.spread]
+        total = torch.stack([value.sum() for value in found]).sum()
 
     # Where nothing learns at all, autograd would fail before it is told which number does not.
     if not total.requires_grad:

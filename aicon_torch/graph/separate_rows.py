@@ -1,6 +1,7 @@
 """Whether the rows of a batch stand alone: a function may not look from one robot at another."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import torch
 from torch import Tensor
@@ -50,15 +51,31 @@ def _evaluated(
     """What all functions of the graph give at the same values, by what an error calls them."""
     given: dict[str, Tensor] = {}
     for estimator in estimators:
-        for name, value in outputs_of(estimator, "update", values).items():
-            given[repr(name)] = value
-            given[f"{name!r} foreseen"] = estimator(values, name)
+        with _unchanged(estimator.outputs[0], values):
+            for name, value in outputs_of(estimator, "update", values).items():
+                given[repr(name)] = value
+                given[f"{name!r} foreseen"] = estimator(values, name)
     for name, goal in declaration.goals.items():
-        given[repr(name)] = attempt(goal, goal.forward, values)
+        with _unchanged(name, values):
+            given[repr(name)] = attempt(goal, goal.forward, values)
     for name in declaration.actuators:
         for function in declaration.functions_of(name):
-            given[f"{function.function!r} of actuator {name!r}"] = function(values)
+            with _unchanged(name, values):
+                given[f"{function.function!r} of actuator {name!r}"] = function(values)
     return given
+
+
+@contextmanager
+def _unchanged(called: str, values: Values) -> Iterator[None]:
+    """Check that a function writes nothing into what it reads, which others read as well."""
+    before = {name: value._version for name, value in values.items()}
+    yield
+    for name, value in values.items():
+        if value._version != before[name]:
+            raise GraphError(
+                f"{called!r} changes {name!r} in place, which others read as well: functions must "
+                "leave what they read as it is, x.clamp(max=1.0), not x.clamp_(max=1.0)."
+            )
 
 
 def _different(estimators: Sequence[Estimator], values: Mapping[str, Tensor]) -> dict[str, Tensor]:

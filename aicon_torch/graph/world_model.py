@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import torch
 from torch import Tensor, nn
@@ -12,7 +12,7 @@ from aicon_torch.differentiation import hop_from, undisturbed, values_only
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
-from aicon_torch.graph.build import build_graph
+from aicon_torch.graph.build import build_graph, check_modes
 from aicon_torch.graph.checks import check_kinds, check_precision
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
@@ -126,6 +126,19 @@ class WorldModel(nn.Module):
         check_precision(fn(self.like).dtype)
         super()._apply(fn, recurse)  # type: ignore[no-untyped-call]  # torch's
         return self
+
+    def train(self, mode: bool = True) -> Self:
+        """Put it into training mode, which makes no difference to what can be part of a graph.
+
+        Args:
+            mode: Whether it is training mode.
+
+        Raises:
+            GraphError: If a network has a layer that would then act at random, or mix rows.
+        """
+        if mode:
+            check_modes(self.declaration, trains=True)
+        return super().train(mode)
 
     def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "WorldModel":
         """This model with an estimator more, and the sensors that it reads.

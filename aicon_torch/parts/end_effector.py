@@ -7,7 +7,7 @@ from typing import Any, Literal, Protocol, get_args
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.differentiation import is_hop, learns
+from aicon_torch.differentiation import is_hop, is_literal, learns
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.approach import ToolAxis
 from aicon_torch.parts.chain import Chain
@@ -161,7 +161,8 @@ class EndEffector(nn.Module):
         self, x_joints: Tensor, x_target: Tensor | None = None, x_approach: Tensor | None = None
     ) -> Tensor:
         """x_ee ``(*B, k)``, m, at the joint angles ``(*B, n)``, rad, on its way to a target."""
-        if self.pullback == "transpose" or not x_joints.requires_grad:
+        by_chain_rule = self.pullback == "transpose" or is_literal()
+        if by_chain_rule or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
 
         # While something learns, its loss goes by the chain rule, and a hop as it always does.

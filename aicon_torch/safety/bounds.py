@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape, WayAround
-from aicon_torch.differentiation import hop_from, pull
+from aicon_torch.differentiation import hop_from, literal, pull
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -298,7 +298,7 @@ class ActuatorSafety:
         copies = copied(values, which.shape[-1])
         gap_of_copy = which.movedim(-1, 0)
 
-        with torch.enable_grad():
+        with torch.enable_grad(), literal():
             resting = self._at_rest(goal, copies)
             action = resting[self.actuator].requires_grad_()
             ahead = self._foreseen(goal, resting)  # every estimate once, for all gaps

@@ -2,6 +2,7 @@
 //
 //   aicon::Policy<double> policy("pusht.so");
 //   const double *commands = policy.step(readings);  // once every dt
+//   if (!policy.begins()) send(commands);
 //
 // A step allocates nothing and locks nothing.
 

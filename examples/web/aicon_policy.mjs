@@ -2,6 +2,7 @@
 //
 //   const policy = await Policy.load("pusht.wasm");
 //   const commands = policy.step(readings);  // once every dt
+//   if (!policy.begins) send(commands);
 //
 // A step allocates nothing, and the module imports nothing: what it computes is all that it can do.
 

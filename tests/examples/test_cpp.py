@@ -12,6 +12,7 @@ from _inputs.exported_files import REFUSED, write_wrong_file
 
 from aicon_torch import Foresight, load_exported, make_policy
 from aicon_torch.export.codegen import compile_library
+from aicon_torch.export.codegen.compiler import FLAGS, compiler_command
 from aicon_torch.models.nav2d import Options
 
 pytestmark = pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler (apt install g++)")
@@ -95,6 +96,13 @@ def said(folder: Path, file: Path, readings: Any = (), does: str = "double") -> 
         command, capture_output=True, check=True, text=True, timeout=300
     ).stdout
     return text
+
+
+def test_the_source_compiles_without_a_warning(folder: Path, tmp_path: Path) -> None:
+    command = [*compiler_command(), *FLAGS, "-Wall", "-Werror", "-shared"]
+    words = ["-o", str(tmp_path / "quiet.so"), str(folder / "good.c"), "-lm"]
+    built = subprocess.run([*command, *words], capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
 
 
 def test_a_step_is_that_of_python(folder: Path) -> None:

@@ -123,7 +123,7 @@ INCOMPLETE: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a function that changes what it reads": (
         lambda: tracking_model(Deterministic("x", lambda a, dt: a.mul_(dt)), TRACK),
-        "'x' cannot be evaluated .*in-place",
+        "'x' changes 'a' in place",
     ),
     "sensors without names": (
         lambda: tracking_model(sensors=[Sensor(2, "m")]),

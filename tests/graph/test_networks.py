@@ -126,6 +126,21 @@ def test_a_network_that_is_still_in_training_is_refused(layer: nn.Module) -> Non
         tracking_model(MOVE, point)
 
 
+@pytest.mark.parametrize("layer", [nn.BatchNorm1d(8), nn.Dropout(0.5)])
+def test_training_mode_is_refused_where_it_makes_a_difference(layer: nn.Module) -> None:
+    network = Seen(nn.Linear(2, 8), layer, nn.Linear(8, 2)).eval()
+    point = tracked_point(correct=[Measurement(network, 0.1, size=2)])
+    model = tracking_model(MOVE, point)
+    for trained in (model, Policy(model, law=DirectDescent(1.0))):
+        with pytest.raises(GraphError, match=r"'p'.*(Batch|Dropout).*training.*\.eval\(\)"):
+            trained.train()
+        assert not layer.training
+        assert trained.eval() is trained
+
+    plain = Policy(tracking_model(), law=DirectDescent(1.0))
+    assert plain.train() is plain and plain.training
+
+
 # --- precision
 
 
