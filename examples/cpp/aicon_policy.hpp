@@ -292,6 +292,11 @@ class Policy {
   int readings() const { return readings_; }
   int commands() const { return static_cast<int>(commands_.size()); }
 
+  // The memory, which lives from step to step: the entries that the metadata lists, one after the
+  // other. A copy of it is the moment; what is assigned has to be as long.
+  std::vector<Real> &memory() { return memory_; }
+  const std::vector<Real> &memory() const { return memory_; }
+
   // What the file says of itself, in JSON: sensors and units, actuators, goals, dt, ...
   const char *metadata() const { return metadata_; }
 

@@ -43,6 +43,18 @@ static void tell_where_it_begins(const char *file, const std::vector<double> &re
   std::printf("%d", policy.begins());
 }
 
+// A step, another one, and the moment between them once more.
+static void go_back(const char *file, const std::vector<double> &readings) {
+  aicon::Policy<double> policy(file);
+  policy.step(readings);
+  const std::vector<double> moment = policy.memory();
+  for (int time = 0; time < 2; ++time) {
+    const double *command = policy.step(readings);
+    for (int i = 0; i < policy.commands(); ++i) std::printf("%.17g ", command[i]);
+    policy.memory() = moment;
+  }
+}
+
 // Two files are copied to one place, one after the other, and loaded from there.
 static void load_from_one_place(char **files, const std::vector<double> &readings) {
   std::vector<aicon::Policy<double>> policies;
@@ -63,6 +75,7 @@ int main(int count, char **words) {
   try {
     if (in_one_place) load_from_one_place(words + 2, readings);
     else if (words[1][0] == 'b') tell_where_it_begins(words[2], readings);
+    else if (words[1][0] == 'm') go_back(words[2], readings);
     else if (words[1][0] == 'f') take_a_step<float>(words[2], readings);
     else take_a_step<double>(words[2], readings);
   } catch (const std::exception &error) {
@@ -119,6 +132,13 @@ def test_it_says_that_its_commands_are_not_to_be_sent(folder: Path) -> None:
     observation = {"bearing": np.full(1, 0.5), "range": np.full(1, 0.5)}
     readings = load_exported(folder / "good.so").flat_readings(observation)
     assert said(folder, folder / "good.so", readings, does="begins") == "1101"
+
+
+def test_a_moment_is_kept_and_brought_back(folder: Path) -> None:
+    observation = {"bearing": np.full(1, 0.5), "range": np.full(1, 0.5)}
+    readings = load_exported(folder / "good.so").flat_readings(observation)
+    commands = said(folder, folder / "good.so", readings, does="moment").split()
+    assert commands[:2] == commands[2:]
 
 
 def test_a_policy_that_replaces_another_one_is_the_one_that_runs(
