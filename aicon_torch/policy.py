@@ -547,11 +547,11 @@ def _check_no_parameters(name: str, part: Resolution | ActionLaw) -> None:
     Raises:
         OptionError: If it is a module with parameters.
     """
-    if isinstance(part, nn.Module) and any(True for _ in part.parameters()):
-        found = choices(called for called, _ in part.named_parameters())
+    found = [called for called, _ in part.named_parameters()] if isinstance(part, nn.Module) else []
+    if found:
         raise OptionError(
-            f"{name}={type(part).__name__}(...) has parameters ({found}), and only the numbers and "
-            "networks of the model learn: make them constants."
+            f"{name}={type(part).__name__}(...) has parameters ({choices(found)}), and only the "
+            "numbers and networks of the model learn: make them constants."
         )
 
 
