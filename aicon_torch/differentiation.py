@@ -12,7 +12,7 @@ and gates are constants of the step; one thread learns at a time.
 
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -41,38 +41,36 @@ def learns() -> bool:
 
 
 @contextmanager
-def through_time() -> Iterator[None]:
-    """Keep what leads from parameters to values, as long as it lasts."""
-    before, _MODE.learns = _MODE.learns, True
-    try:
-        with torch.enable_grad():
-            yield
-    finally:
-        _MODE.learns = before
-
-
-@contextmanager
-def recorded() -> Iterator[None]:
-    """What is computed is to run again with other values, as long as it lasts: no branch is cut."""
-    before, _MODE.is_recorded = _MODE.is_recorded, True
+def _switched_on(mode: str) -> Iterator[None]:
+    """Set a mode of this thread, as long as it lasts."""
+    before = getattr(_MODE, mode)
+    setattr(_MODE, mode, True)
     try:
         yield
     finally:
-        _MODE.is_recorded = before
+        setattr(_MODE, mode, before)
 
 
 @contextmanager
-def literal() -> Iterator[None]:
+def through_time() -> Iterator[None]:
+    """Keep what leads from parameters to values, as long as it lasts."""
+    with _switched_on("learns"), torch.enable_grad():
+        yield
+
+
+def recorded() -> AbstractContextManager[None]:
+    """What is computed is to run again with other values, as long as it lasts: no branch is cut."""
+    return _switched_on("is_recorded")
+
+
+def literal() -> AbstractContextManager[None]:
     """Take the gradients of functions literally, as long as it lasts.
 
     A part may give a goal another gradient than that of the chain rule, such as the natural one. A
-    bound holds if its slope is that of its gap, and nothing else.
+    bound holds if its slope is that of its gap, and nothing else. What a model stops stays stopped:
+    it says that no path leads there.
     """
-    before, _MODE.is_literal = _MODE.is_literal, True
-    try:
-        yield
-    finally:
-        _MODE.is_literal = before
+    return _switched_on("is_literal")
 
 
 def is_literal() -> bool:

@@ -55,9 +55,11 @@ def _evaluated(
             for name, value in outputs_of(estimator, "update", values).items():
                 given[repr(name)] = value
                 given[f"{name!r} foreseen"] = estimator(values, name)
+
     for name, goal in declaration.goals.items():
         with _unchanged(name, values):
             given[repr(name)] = attempt(goal, goal.forward, values)
+
     for name in declaration.actuators:
         for function in declaration.functions_of(name):
             with _unchanged(name, values):

@@ -284,8 +284,8 @@ class Policy {
     return step(readings.data());
   }
 
-  // Whether the episode has yet to begin, as a reading that it begins with has not come: send no
-  // command then, which may be a place.
+  // Whether the episode has yet to begin, as a reading that it begins with has not come, or begins
+  // anew, as the step broke: send no command then, which may be a place.
   bool begins() const { return starts_ || begins_(memory_.data()) != 0; }
 
   // Number of readings and of commands.

@@ -67,8 +67,8 @@ export class Policy {
     return this.#commands;
   }
 
-  // Whether the episode has yet to begin, as a reading that it begins with has not come: send no
-  // command then, which may be a place.
+  // Whether the episode has yet to begin, as a reading that it begins with has not come, or begins
+  // anew, as the step broke: send no command then, which may be a place.
   get begins() { return this.#exports.aicon_begins(this.#memory.byteOffset) === 1; }
 
   // Number of readings and of commands.

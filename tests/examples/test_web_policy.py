@@ -180,6 +180,7 @@ def test_it_begins_with_the_first_readings_that_come(small: Path) -> None:
         """,
         str(small),
     )
+
     assert told["before"] and told["lacking"][1] and told["reset"]
     commands, begins = told["first"]
     assert not begins and np.linalg.norm(commands) > 0.0
